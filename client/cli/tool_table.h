@@ -2,6 +2,7 @@
 //   LinuxCNC     T5 P5 D6.0 Z120.5 ; drill                          Z is the length of T (and of H, its number), D
 //                                                                   the diameter
 //   Fanuc, Haas  G10 L10 P5 R120.5                                  H5; with L11 (wear) added. L12, L13: radius of D5
+//                                                                   (where the control keeps diameters: --tool-radius)
 //   Sinumerik    $TC_DP3[5,1]=120.5, $TC_DP12[5,1]=0.01             D1 of tool 5: length 1 and its wear; $TC_DP6 and
 //                                                                   $TC_DP15 of its radius
 //   Heidenhain   BEGIN TOOL .T MM, a line of names, and lines below  T, L, DL, R and DR of the columns

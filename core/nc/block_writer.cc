@@ -221,6 +221,7 @@ bool BlockWriter::NeedsWord(int axis, Ticks target, Ticks grain) const {
 }
 
 bool BlockWriter::IsPacked(const char* text, const Block& block) {
+  if (block.has_expression) return false;  // "R168Y5" would be one name
   for (int i = 1; i < block.word_count; ++i) {
     if (!IsBlank(text[block.words[static_cast<size_t>(i)].letter_at - 1])) return true;
   }

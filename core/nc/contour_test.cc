@@ -49,6 +49,36 @@ TEST(Contour, WordsAreThoseOfThePart) {
                    "3 L X+20.0428 Y+10 RR F500\n4 L X+50.0428\n5 L Y+50\n6 L X+0.0428 R0\n7 END PGM A MM\n");
 }
 
+// APPR names the first point of the contour, DEP LCT where the tool leaves it to; the line or arc between is the
+// control's.
+TEST(Contour, ApproachesAndDeparturesOfKlartext) {
+  const std::string head = "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S100\n2 L X-30 Y-30 Z+50 B+0 C+0 R0 FMAX\n";
+  const std::string done = "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S100\n2 L X-29.9572 Y-30 Z+50 B+0 C+0 R0 FMAX\n";
+  for (const char* how : {"LT", "LN", "CT", "LCT"}) {
+    const std::string more = std::string(how) == "CT" ? "CCA+90 R+8" : std::string(how) == "LCT" ? "R8" : "LEN15";
+    const std::string approach = absl::StrCat("3 APPR ", how, " X+5 Y+5 ", more, " RL F300\n");
+    const std::string approached = absl::StrCat("3 APPR ", how, " X+5.0428 Y+5 ", more, " RL F300\n");
+    EXPECT_REWRITTEN(In("heidenhain"),
+                     head + approach + "4 L Y+95\n5 L X+95\n6 DEP LCT X+120 Y+120 R5 F1000\n7 L Z+100\n8 L X+0 Y+0\n",
+                     done + approached +
+                         "4 L Y+95\n5 L X+95.0428\n6 DEP LCT X+120.0428 Y+120 R5 F1000\n7 L Z+100\n8 L X+0.0428 Y+0\n");
+  }
+  // Where the others lead the control computes: X and Y are unknown behind them.
+  const std::string contour = "3 APPR LT X+5 Y+5 LEN15 RL F300\n4 L Y+95\n",
+                    corrected = "3 APPR LT X+5.0428 Y+5 LEN15 RL F300\n4 L Y+95\n";
+  for (const char* departure : {"5 DEP LT LEN15 F500\n", "5 DEP LN LEN15\n", "5 DEP CT CCA90 R+8\n"}) {
+    EXPECT_REWRITTEN(In("heidenhain"), head + contour + departure + "6 L X+0 Y+0 R0 FMAX\n",
+                     done + corrected + departure + "6 L X+0.0428 Y+0 R0 FMAX\n");
+    EXPECT_REFUSED(In("heidenhain"), head + contour + departure + "6 L X+0 F100\n", "the position of Y is unknown");
+  }
+  EXPECT_REFUSED(In("heidenhain"), head + "3 APPR LT X+5 Y+5 LEN15 F300\n", "APPR without RL or RR");
+  EXPECT_REFUSED(In("heidenhain"), head + contour + "5 APPR LT X+50 Y+50 LEN15 RL\n",
+                 "while cutter compensation is active");
+  EXPECT_REFUSED(In("heidenhain"), head + "3 DEP LCT X+5 Y+5 R5\n", "DEP without cutter compensation");
+  EXPECT_REFUSED(In("heidenhain"), head + contour + "5 DEP LT LEN15 X+5\n", "words of axes");
+  EXPECT_REFUSED(In("heidenhain", 200.0), head + contour + "5 L X+4\n6 DEP LT LEN5\n", "too short for the cutter");
+}
+
 // A move along Z alone would turn the cutter round with a word of X of some micrometres: what is left is said instead.
 TEST(Contour, MovesAlongZGetNoWordsOfXAndY) {
   const auto leaning = With("EB0Z", 1e-4);

@@ -124,6 +124,34 @@ void Interpreter::KeepCutter(const AxisTicks& offsets_before, const Modal& befor
   request->Refuse(absl::StrCat(what, " while cutter compensation is active: end that in front of it (G40, R0)"));
 }
 
+// TNC 640, User's Manual for Klartext Programming, "Approaching and departing a contour": the tool goes to a point of
+// the control's own first, and to the height of a word of Z there.
+std::string Interpreter::WhyNoApproach(const Request& request) const {
+  const bool comes = request.IsOfContour(kApproach);
+  if (!comes && !request.IsOfContour(kDeparture)) return "";
+  if (request.is_rapid_block) return "APPR or DEP as a rapid move";
+  if (comes && request.cutter_side == nullptr) return "APPR without RL or RR";
+  if (comes && request.cutter_side_before != 0) return "APPR while cutter compensation is active: end it in front (R0)";
+  if (!comes && request.cutter_side_before == 0)
+    return "DEP without cutter compensation that is followed in front of it";
+  return "";
+}
+
+void Interpreter::Depart(const Request& request, Step* step) {
+  if (request.has_axis || request.foreign_axis != 0)
+    return Unsupported("DEP LT, LN or CT with words of axes: where it leads is not known", false, step);
+  step->moves_away = step->departs = true;
+  pole_.is_known = false;
+  const std::array<int, 3>& xyz = frame_of_words_.xyz();
+  for (int i = 0; i < axis_count_; ++i) {
+    if (i == xyz[0] || i == xyz[1]) {
+      ForgetPosition(i, false);
+    } else {
+      step->kept_away |= static_cast<uint16_t>(1u << i);
+    }
+  }
+}
+
 std::string Interpreter::WhyNoContour(const Request& request, const Step& step) const {
   if (request.has_corner || rounds_corners_ || is_behind_corner_)
     return "a rounded or chamfered corner while cutter compensation is active";

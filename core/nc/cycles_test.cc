@@ -92,7 +92,8 @@ TEST(Cycles, WhatIsNotFollowedIsRefused) {
       {"G81 X10. Z-8. R2. F200\nG52 Z3.\nX20.\n", "work offset or tool length changed in it"},
       {"G81 X10. Z-8. R2. E5. F200\n", "with a word E"},
       {"G81 X10. Z-8. R2. F200\n/G99\nX20.\n", "may be skipped"},
-      {"G87 X10. Z-8. R2. F200\n", "canned cycle"},
+      {"G87 X10. Z-8. R2. F200\n", "boring cycle from behind"},
+      {"G88 X10. Z-8. R2. F200\n", "program its moves, or G86 or G89"},
       {"G81 X10. Z-8. R2. L0 F200\n", "no repeat"},
       {"G81 X#1 Z-8. R2. F200\n", "line 3"},
   };
@@ -102,6 +103,19 @@ TEST(Cycles, WhatIsNotFollowedIsRefused) {
   turning.orientation = true;
   EXPECT_REFUSED(turning, head + "G81 X10. Z-8. R2. F200\n", "with --orientation");
   EXPECT_REFUSED(In("fanuc"), "M6\nG0 X0. Y0. Z50.\nG81 X10. Z-8. R2. F200\n", "the position of B is unknown");
+}
+
+// G80 ends the cycle alone: G00 and G01 are of another group of codes. LinuxCNC counts all as one.
+TEST(Cycles, BehindThemTheMotionCodeInFrontIsInForceAgain) {
+  const std::string head = "G90 G17 G21 G94\nG0 X0. Y0. Z50. B0. C0.\n",
+                    done = "G90 G17 G21 G94\nG0 X0.0417 Y0. Z50. B0. C0.\n";
+  const std::string hole = "G98 G81 X10. Y5. Z-8. R2. F200\nG80\n", made = "G98 G81 X10.0417 Y5. Z-8. R2. F200\nG80\n";
+  for (const char* dialect : {"fanuc", "mazak", "haas"}) {
+    EXPECT_REWRITTEN(In(dialect), head + hole + "X30.\n", done + made + "X30.0417\n");
+    EXPECT_REFUSED(In(dialect), head + "G80\nX30.\n" + hole, "no motion code is in force");
+    EXPECT_REFUSED(In(dialect), head + "G2 X10. Y0. R5. F100\n" + hole + "X30.\n", "no motion code is in force");
+  }
+  EXPECT_REFUSED(In("linuxcnc"), head + hole + "X30.\n", "no motion code is in force");
 }
 
 TEST(Cycles, DataWithoutAHoleAndHolesThatMayBeSkipped) {
@@ -167,6 +181,9 @@ TEST(Cycles, CallsThatAreNotFollowedAreRefused) {
         "MCALL CYCLE81(20,0,2,-10)\nG18\nX10.", "MCALL CYCLE81(20,0,2,-10)\nROT Z30\nX10.",
         "MCALL HOLES1(0,0,0,5,5,3)\nX10.", "/MCALL CYCLE81(20,0,2,-10)\nX10.", "MCALL CYCLE81(20,0,2,-10)\nSUPA G0 Z0"})
     EXPECT_FALSE(testing::Rewritten(head + block + "\n", In("sinumerik")).status.ok()) << block;
+  // D in front of M6: which length is in force behind it is the builder's to choose.
+  EXPECT_REFUSED(In("sinumerik"), "G71 G90 G17 G94 D1\nM6\nG0 X0 Y0 Z50 B0 C0\nMCALL CYCLE81(20,0,2,-10)\nX10\n",
+                 "the tool length is not known");
   const std::string definition = "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n Q203=+0\n",
                     call = "L X+10 FMAX M99\n";
   EXPECT_TRUE(testing::Rewritten(definition + call, In("heidenhain")).status.ok());
@@ -199,8 +216,7 @@ TEST(Cycles, APassedBlockOfACycleEndsIt) {
   const std::string head = "G90 G17 G21 G94\nG0 X0. Y0. Z50. B0. C0.\n",
                     begin = "G90 G17 G21 G94\nG0 X0.0417 Y0. Z50. B0. C0.\n";
   for (const char* unread : {"G81 X1 Z-M8\n", "G81 X1. Z#5 R2.\n"}) {
-    EXPECT_REWRITTEN(options, head + unread + "X20. Y5.\nG80\n",
-                     begin + "G00 X0.0000\n" + unread + "X20. Y5.\nG80\n");
+    EXPECT_REWRITTEN(options, head + unread + "X20. Y5.\nG80\n", begin + "G00 X0.0000\n" + unread + "X20. Y5.\nG80\n");
     EXPECT_REFUSED(options, head + "G83 X10. Z-8. R2. Q1. F200\n" + unread + "X20. Y5.\nG80\n",
                    "it must begin where the program says, and cannot");
   }

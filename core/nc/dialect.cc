@@ -54,7 +54,8 @@ Dialect Fanuc(const std::string& name) {
   // B-64484EN, "Linear interpolation (G01)": the feed of a linear and a rotary axis is the tangential one in their
   // plane, 40 deg taken as 40 mm.
   dialect.feeds_all_axes = true;
-  dialect.packs_repeats = true;  // the same, "Subprogram (M98, M99)"
+  dialect.cycles_keep_motion = true;
+  dialect.packs_repeats = true;       // the same, "Subprogram (M98, M99)"
   dialect.numbered_offset = "G54.1";  // the same, "Workpiece coordinate system": G10 L20
   dialect.additional_offsets = 300;
   dialect.integers_may_be_increments = dialect.tools_may_switch_offsets = true;
@@ -65,7 +66,8 @@ Dialect Haas() {
   Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes(), HaasM()}, {MacroKeywords(), FanucCorners()});
   dialect.has_semicolon_ends = true;
   dialect.integers_may_be_increments = dialect.tools_may_switch_offsets = true;
-  dialect.lengths_along_z = true;  // Mill Operator's Manual 96-8200, "G43": the Z axis
+  dialect.cycles_keep_motion = true;  // the same manual, "G80": group 09, G00 and G01 are of group 01
+  dialect.lengths_along_z = true;     // Mill Operator's Manual 96-8200, "G43": the Z axis
   dialect.numbered_offset = "G154";
   dialect.additional_offsets = 99;
   return dialect;
@@ -75,7 +77,7 @@ Dialect LinuxCnc() {
   Dialect dialect = Make("linuxcnc", {IsoCodes(), LinuxCncCodes(), LinuxCncM()}, {MacroKeywords(), LinuxCncKeywords()});
   dialect.takes_loaded_tool = true;
   dialect.lengths_along_z = true;  // LinuxCNC 2.9, "G43 Tool Length Offset": what the tool table states of Z
-  dialect.plain_offsets = 9;  // G59.1 to G59.3 are P7 to P9
+  dialect.plain_offsets = 9;       // G59.1 to G59.3 are P7 to P9
   // LinuxCNC 2.9, LINELEN of its interpreter: 255 with the line end, the final NUL and one byte that stays free.
   dialect.max_block_bytes = 253;
   // The least CENTER_ARC_RADIUS_TOLERANCE_MM that a machine's ini file may state (rs274 of 2.9); 0.028 mm unless it

@@ -58,11 +58,12 @@ enum class Meaning : uint8_t {
   // Tool centre point control, followed where it can be and else a kBlockerOn; detail: its Blocker, with kSelectsLength
   // too where its block states the tool length (G43.4 H1).
   kToolPoint,
-  kTurnByVector,  // how tools turn under it; detail: 1 by a vector, 0 axis by axis
-  kToolVector,    // a component of the tool's direction, from its tip to the spindle (A3=, TX); detail: 0 to 2
+  kTurnByVector,   // how tools turn under it; detail: 1 by a vector, 0 axis by axis
+  kToolVector,     // a component of the tool's direction, from its tip to the spindle (A3=, TX); detail: 0 to 2
   kSurfaceNormal,  // NX of LN: where differences of the tool's radius would move the path to
-  kCutterSide,    // cutter compensation; detail: 1 the tool stands left of the contour, 2 right
-  kBlockerOn,     // a mode in which axis words are not axis positions; detail: a Blocker
+  kDepart,         // DEP LT, LN, CT: ends cutter compensation, and moves in X and Y to where the control computes
+  kCutterSide,     // cutter compensation; detail: 1 the tool stands left of the contour, 2 right
+  kBlockerOn,      // a mode in which axis words are not axis positions; detail: a Blocker
   // The same, followed where its words are plain numbers (tilt.cc); detail: its Blocker.
   kRotate,       // G68
   kTilt,         // G68.2: three angles about Z, X and Z; of Haas' G268 about X, Y and Z, with kAnglesXyz
@@ -132,7 +133,11 @@ inline constexpr uint32_t kPlacedFrames = kTiltedPlanes | kTurnedFrames;
 inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint
 inline constexpr uint32_t kStatesVectors = 1u << 30;  // likewise: I, J and K say how the tool stands (G43.5)
 inline constexpr uint32_t kWithNormals = 1;           // of kLinear: LN
-inline constexpr uint32_t kAnglesXyz = 1u << 31;      // of kTilt
+// Of kLinear: APPR leads to the first point of a contour, DEP LCT away from its last one; the control lays a line or an
+// arc that touches the contour between them.
+inline constexpr uint32_t kApproach = 2;
+inline constexpr uint32_t kDeparture = 3;
+inline constexpr uint32_t kAnglesXyz = 1u << 31;  // of kTilt
 // Of kDrillCycle: words of its block beside those of axes, R, Q, P and F.
 enum CycleWords : uint32_t {
   kCycleRepeatsK = 1,  // K: how often
@@ -146,16 +151,16 @@ inline constexpr uint32_t kAtPosition = 3;    // CYCL CALL POS: at X and Y, heig
 // Of harmless keywords: defines another cycle than those that are followed, or writes Q parameters, which may be those
 // of a definition.
 inline constexpr uint32_t kDefines = 3;
-inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
+inline constexpr uint32_t kArcWithRadius = 2;  // Klartext's CR, whose R is a radius
 // Of kOneShot and kOtherMotion.
-inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins
-inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
+inline constexpr uint32_t kCurve = 1;                // a circle or curve that depends on where it begins
+inline constexpr uint32_t kTangential = 2;           // its shape follows the direction of the move in front of it
 inline constexpr uint32_t kBehindMove = 1;           // the block's own words are moved to first
 inline constexpr uint32_t kOffsetMayHaveNumber = 2;  // G54 P2 is G54.1 P2
 inline constexpr uint32_t kWorkOffsetInput = 1;
 inline constexpr uint32_t kMaySetTransformation = 2;  // of harmless keywords
-inline constexpr uint32_t kReadsNumber = 1;          // of harmless M codes: a P word of their block is theirs
-inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
+inline constexpr uint32_t kReadsNumber = 1;           // of harmless M codes: a P word of their block is theirs
+inline constexpr uint32_t kPresetOrThread = 4;        // G92 with an F word is a thread on lathes of the same family
 
 struct CodeEntry {
   char letter;  // G or M
@@ -218,37 +223,38 @@ struct Dialect {
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
   std::vector<DistanceName> distance_names;
-  char variable = '#';                      // letter of variables; 0: none is told apart
-  bool has_assignment_blocks = false;       // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
-  bool has_bare_keywords = false;           // single letters may be keywords (L), blocks begin with their number
-  bool has_poles = false;                   // arcs stand about a pole (CC), in XY, and say their sense (DR)
-  bool takes_loaded_tool = false;           // G43 without H takes the length of the tool in the spindle
-  bool g91_takes_new_offsets = false;       // G91 behind a change of the work offset moves by that too (SD42440)
+  char variable = '#';                 // letter of variables; 0: none is told apart
+  bool has_assignment_blocks = false;  // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
+  bool has_bare_keywords = false;      // single letters may be keywords (L), blocks begin with their number
+  bool has_poles = false;              // arcs stand about a pole (CC), in XY, and say their sense (DR)
+  bool takes_loaded_tool = false;      // G43 without H takes the length of the tool in the spindle
+  bool g91_takes_new_offsets = false;  // G91 behind a change of the work offset moves by that too (SD42440)
   // A transformation that begins or ends may drop the work offset (Sinumerik: MD10602), and how the tool turns under it
   // is the builder's to choose: both must be stated.
   bool transformation_may_drop_offset = false;
   // On lathes of the family T0101 turns the turret and switches the offset of its last two digits at once.
   bool tools_may_switch_offsets = false;
   bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
-  bool lengths_along_z = false;  // G43 and G44 act along Z in every plane
-  bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
+  bool cycles_keep_motion = false;     // G80 ends a cycle alone: behind it G00 or G01 is in force as it was in front
+  bool lengths_along_z = false;        // G43 and G44 act along Z in every plane
+  bool tool_call_sets_length = false;  // the tool's length acts from the tool change on, without a code
   // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed
   // when a linear one moves a little with it. Else F is that of the linear axes as soon as one of them moves.
   bool feeds_all_axes = false;
   // How far both ends of an arc with a centre may differ in their distance from it, where that is more than 0.1 %.
   double arc_radius_tolerance_mm = kRadiusToleranceMm;
   bool takes_finer_words = false;  // words may have more decimals than the machine's resolution, and mean them
-  size_t max_block_bytes = 0;               // that the control reads, line end included; 0: no limit is known
-  bool packs_repeats = false;  // M98 P51002 runs O1002 five times
+  size_t max_block_bytes = 0;      // that the control reads, line end included; 0: no limit is known
+  bool packs_repeats = false;      // M98 P51002 runs O1002 five times
   // G10 L2 P1 to so many are G54 and those behind it; L20 P1 to `additional_offsets` are numbered_offset P1 and so on.
   int plain_offsets = 6, additional_offsets = 0;
   std::string numbered_offset;
-  std::string first_offset = "G54";         // the work offset that is selected at the begin
-  std::string piece_prefix;                 // what inserted pieces begin with: "L "
-  std::string radius_address = "R";         // what a piece's radius word begins with
+  std::string first_offset = "G54";  // the work offset that is selected at the begin
+  std::string piece_prefix;          // what inserted pieces begin with: "L "
+  std::string radius_address = "R";  // what a piece's radius word begins with
   // What the words of the tool's direction begin with.
   std::array<std::string, 3> vector_addresses = {"I", "J", "K"};
-  bool writes_plus = false;                 // inserted words carry their sign
+  bool writes_plus = false;  // inserted words carry their sign
 
   std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order
   uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i; those with a comma apart

@@ -56,11 +56,30 @@ bool HasSign(std::string_view line, std::string_view sign) {
   return false;
 }
 
+// "o<drill> call [5]", "O100 sub".
+bool IsNamedStructure(std::string_view line) {
+  line = WithoutBlanks(line);
+  if (line.size() < 2 || CapitalOf(line.front()) != 'O') return false;
+  line.remove_prefix(1);
+  const size_t end = line.front() == '<' ? line.find('>') + 1 : line.find_first_not_of("0123456789");
+  if (end == 0 || end == std::string_view::npos) return false;
+  const std::string_view rest = WithoutBlanks(line.substr(end));
+  for (const char* const word : {"SUB", "ENDSUB", "CALL", "IF", "WHILE", "DO", "REPEAT", "RETURN"}) {
+    const size_t size = std::string_view(word).size();
+    const bool is_whole =
+        rest.size() == size || (rest.size() > size && !(CapitalOf(rest[size]) >= 'A' && CapitalOf(rest[size]) <= 'Z'));
+    if (BeginsWith(rest, word) && is_whole) return true;
+  }
+  return false;
+}
+
 bool IsIso(const Dialect& dialect) { return !dialect.has_equals; }
 
 // Not read as words, or with a G code that the dialect does not know. M codes that it does not know are the machine
 // builder's, on any control.
 bool IsMisread(std::string_view line, const Dialect& dialect, Block* block) {
+  // O words with names, or with what they do behind them, are LinuxCNC's own.
+  if (IsNamedStructure(line)) return dialect.name != "linuxcnc";
   const bool has_hash = HasSign(line, "#");
   if (HasSign(line, "#<") && dialect.name != "linuxcnc") return true;
   if (!IsIso(dialect) && has_hash) return true;

@@ -22,6 +22,7 @@ TEST(FindDialects, AFamilysOwnWordsTell) {
       {"%_N_PART_MPF\nG0 X1\n", "sinumerik", "line 1"},
       {"G21 G90\no100 sub\nG1 X1 F100\no100 endsub\n", "linuxcnc", "line 2: 'o100 sub'"},
       {"G90\n#<depth>=5\n", "linuxcnc", "line 2"},
+      {"G90\no<step> sub\nG1 Z#1 F200\no<step> endsub\no<step> call [-1]\n", "linuxcnc", "line 2: 'o<step> sub'"},
       {"%\nO1 (PART)\nG90 G21\nG187 P3\n", "haas", "line 4: 'G187 P3'"},
       {"%\nO1 (PART)\nG90 G21\nG154 P3\n", "haas", "line 4"},
   };

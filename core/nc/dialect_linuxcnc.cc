@@ -61,7 +61,10 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'M', 980, M::kCall, 0, "subprogram call"},
       {'M', 990, M::kEndOfProgram, 1, "end of subprogram"},
   };
-  for (const int cycle : {70, 71, 72, 76, 87, 88}) {
+  for (const int cycle : {87, 88}) {
+    codes.push_back({'G', 10 * cycle, M::kOtherMotion, 0, "boring cycle that LinuxCNC does not run"});
+  }
+  for (const int cycle : {70, 71, 72, 76}) {
     codes.push_back({'G', 10 * cycle, M::kOtherMotion, 0, "canned cycle"});
   }
   for (const int cycle : {73, 74, 81, 82, 83, 84, 85, 86, 89}) {

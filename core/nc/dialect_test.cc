@@ -118,9 +118,9 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"L X+5 RL F100", "cutter compensation"},
       {"CALL LBL 1", "call"},
       {"FN 9: IF +Q1 EQU +0 GOTO LBL 1", "parameters"},
-      {"L X+Q1", "without a number"},
+      {"L X+Q1", "the value of Q1 is not known"},
       {"TCH PROBE 0.0 REF. PLANE Q5 X-", "probing"},
-      {"APPR LT X+5 LEN5 RL", "approach"},
+      {"APPR PLT PR+5 PA+20 LEN5 RL", "approach"},
   };
   for (const auto& known : kCases) {
     const Outcome outcome = Rewritten("1 L X+1 R0 FMAX\n2 " + std::string(known.block) + "\n", In("heidenhain"));

@@ -14,8 +14,10 @@ std::string Interpreter::WhyNoDrilling(uint8_t needed) const {
   for (const char letter : {'X', 'Y', 'Z'}) {
     if (AxisOf(letter) < 0 || !is_linear_[AxisOf(letter)]) return "the machine has not the linear axes X, Y and Z";
   }
-  if ((modal_.uncertain & (kDistanceGroup | kPlaneGroup | kLengthGroup | needed)) != 0)
-    return "the modal state is not known behind a block that was not followed";
+  const auto groups = static_cast<uint8_t>(kDistanceGroup | kPlaneGroup | kLengthGroup | needed);
+  if ((modal_.uncertain & groups) == kLengthGroup)
+    return "the tool length is not known: behind a tool change, or a block that was not followed, state it again (D1)";
+  if ((modal_.uncertain & groups) != 0) return "the modal state is not known behind a block that was not followed";
   if (modal_.plane_normal != 2) return "in another plane than XY controls differ on the axis that drills";
   if (modal_.is_incremental) return "in G91 controls differ on what its heights count from: program it in G90";
   if ((modal_.tool_point & ~kPlacedFrames) != 0) return "under tool centre point control it is not followed";
@@ -104,7 +106,7 @@ void Interpreter::Drill(const Block& block, const Request& request, Step* step) 
     modal_.motion = Meaning::kOtherMotion;
     return;
   }
-  step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, modal_.is_return_unsure,
+  step->hole = {cycle.entry, cycle.bottom, is_new,      modal_.returns_to_entry, modal_.is_return_unsure,
                 false,       false,        std::nullopt};
   constexpr Ticks kNear = kTicksPerMm;  // corrections are smaller
   step->hole.is_level_unsure = cycle.is_level_known && cycle.level - cycle.entry < kNear;

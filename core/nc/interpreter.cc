@@ -277,7 +277,8 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   ++line_;
   step->kind = StepKind::kNone;
   step->has_words = step->has_other_words = step->is_rapid = step->is_arc = step->may_be_skipped = false;
-  step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
+  step->is_consequence = step->is_tool_change = step->moves_away = step->departs = step->ends_block =
+      step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
   step->frame.is_changed = step->begins_definition = step->defines_cycle = step->begins_structure = false;
@@ -455,16 +456,42 @@ bool Interpreter::TakeFunction(const char* text, const Block& block, bool may_be
   return true;
 }
 
+// B-64484EN, "G code list": G80 is of the group of the cycles, G00 and G01 are of their own.
+void Interpreter::SelectMotion(const Code& code) {
+  const bool was_cycle = modal_.motion == Meaning::kDrillCycle;
+  if (code.meaning == Meaning::kDrillCycle && !was_cycle) {
+    const bool is_known = modal_.motion == Meaning::kRapid || modal_.motion == Meaning::kLinear;
+    const bool is_kept = dialect_->cycles_keep_motion && is_known && !modal_.is_rapid_unsure &&
+                         !block_may_be_skipped_ && (modal_.uncertain & kMotionGroup) == 0;
+    modal_.motion_before_cycle = is_kept ? modal_.motion : Meaning::kCancelMotion;
+  }
+  const bool brings_back = code.meaning == Meaning::kCancelMotion && was_cycle;
+  modal_.motion = brings_back ? modal_.motion_before_cycle : code.meaning;
+}
+
+// Tools, blanks, and cycles that wait for their call, whose definition writes their own parameters from Q200 on.
+bool Interpreter::LeavesVariables(const Word& word) const {
+  const Keyword& keyword = dialect_->keywords[static_cast<size_t>(word.keyword)];
+  static constexpr const char* kNames[] = {"TOOL CALL",     "TOOL DEF", "BLK FORM", "CYCL CALL",
+                                           "CYCL CALL POS", "RND",      "CHF"};
+  return keyword.meaning == Meaning::kDefineCycle ||
+         std::any_of(std::begin(kNames), std::end(kNames),
+                     [&](const char* name) { return std::strcmp(keyword.name, name) == 0; });
+}
+
 void Interpreter::TakeVariables(const char* text, const Block& block) {
   const bool may_be_skipped = block.is_deletable && options_->block_delete == BlockDelete::kEither;
   for (const auto& [name, value] : block.has_assignment ? block.assigned : decltype(block.assigned)())
     variables_.Set(name, may_be_skipped ? std::nullopt : value);
   if (TakeFunction(text, block, may_be_skipped)) return;
   // What is not read may set them, and so may cycles and functions of Klartext, which have parameters of their own.
-  const bool may_set = block.problem != LexProblem::kNone ||
-                       (dialect_->has_poles &&
-                        std::any_of(block.begin(), block.end(), [this](const Word& word) { return TakesRest(word); }));
-  if (may_set) variables_.ForgetAll();
+  const auto is_any = [&](auto&& is_one) {
+    return dialect_->has_poles && std::any_of(block.begin(), block.end(), is_one);
+  };
+  if (is_any([this](const Word& word) { return TakesRest(word); })) variables_.ForgetOfCycles();
+  if (block.problem != LexProblem::kNone ||
+      is_any([this](const Word& word) { return TakesRest(word) && !LeavesVariables(word); }))
+    variables_.ForgetAll();
 }
 
 bool Interpreter::BeginsStructure(const char* text, size_t size, const Block& block) const {
@@ -561,6 +588,19 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   modal_.blockers |= kShift;
 }
 
+std::string Interpreter::UnknownVariable(const char* text, const Block& block) const {
+  if (block.problem != LexProblem::kExpression && block.problem != LexProblem::kNoNumber) return "";
+  if (Capital(text[block.problem_at]) == 'O') return "";  // a call, whose arguments matter less than whom it calls
+  for (const char* at = text + block.problem_at + 1; at < end_of_text_; ++at) {
+    const bool is_inside = at > text && ((Capital(at[-1]) >= 'A' && Capital(at[-1]) <= 'Z') || at[-1] == '_');
+    const bool is_of_word = at == text + block.problem_at + 1;
+    std::string name;
+    if ((is_inside && !is_of_word) || EndOfVariable(at, end_of_text_, *dialect_, &name) == nullptr) continue;
+    if (!variables_.Value(name)) return absl::StrCat(": the value of ", name, " is not known here");
+  }
+  return "";
+}
+
 void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (at_program_end_) StartProgram();
   if (jump_line_ > 0) {
@@ -594,8 +634,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     modal_.blockers |= kTurretOffset;
   if (request.has_feed) modal_.lacks_feed = false;
   if (request.motion != nullptr) {
+    SelectMotion(*request.motion);
     modal_.is_rapid_unsure = false;
-    modal_.motion = request.motion->meaning;
     modal_.is_clockwise = request.motion->detail != 0;
     modal_.motion_text = request.motion->text;
     if (modal_.motion != Meaning::kDrillCycle) modal_.cycle = DrillCycle();
@@ -661,7 +701,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     // Q120 to Q122: where a tilted plane needs the rotary axes.
     const bool is_of_plane = (modal_.tool_point & kTiltedPlanes) != 0 && dialect_->has_poles &&
                              Holds(text + block.problem_at, end_of_text_, "Q12");
-    request.Refuse(absl::StrCat(ToString(block.problem, block.problem_at),
+    request.Refuse(absl::StrCat(ToString(block.problem, block.problem_at), UnknownVariable(text, block),
                                 is_of_plane && !axes_of_plane_problem_.empty() ? ": " + axes_of_plane_problem_ : ""));
   }
   if (request.is_end && request.parameter != 0) {
@@ -688,7 +728,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if (request.is_jump) jump_line_ = line_;
   if (step->moves_away) modal_.is_cutter_ending = false;
-  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetAway(request, step);
+  if (step->moves_away && !step->departs && step->kind != StepKind::kUnsupported) ForgetAway(request, step);
   if (step->kind == StepKind::kUnsupported && !call_problem_.empty() && !step->is_consequence)
     absl::StrAppend(&step->reason, ": ", call_problem_);
   at_program_end_ = step->ends_program = request.is_end;

@@ -73,9 +73,11 @@ struct Step {
   bool is_tool_change = false;
   bool begins_structure = false;  // it calls or is called: nothing of it was read, what follows is for calls.h to order
   bool begins_definition = false;  // of a cycle: its next line may have to be passed, and nothing may stand between
-  bool moves_away = false;         // a tool or pallet change: where the axes are behind it is not known
-  uint16_t kept_away = 0;          // of it: axes that stand where they stood
-  bool ends_block = false;         // has a code that acts after the move (M00, M05 ...)
+  // A tool or pallet change, or DEP: where axes are behind it is not known.
+  bool moves_away = false;
+  bool departs = false;     // DEP
+  uint16_t kept_away = 0;   // of it: axes that stand where they stood
+  bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
   bool sets_pole = false;
   bool leaves_text = false;      // calls or jumps, or may
   bool jumps_back = false;       // or may
@@ -228,14 +230,22 @@ class Interpreter {
   void ReadBlock(const char* text, const Block& block, Step* step);
   // What the block sets, or may set.
   void TakeVariables(const char* text, const Block& block);
+  // Whether a keyword of Klartext sets no variable below Q200.
+  bool LeavesVariables(const Word& word) const;
   // "FN 1: Q5 = +Q2 + +3", of FN 0 to 4: what it sets. False: it is none of these, or not read.
   bool TakeFunction(const char* text, const Block& block, bool may_be_skipped);
+  // Of a block that was not read to its end: ": the value of Q5 is not known here", or "".
+  std::string UnknownVariable(const char* text, const Block& block) const;
   bool BeginsStructure(const char* text, size_t size, const Block& block) const;
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
   void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
   void ScanKeyword(const Block& block, const Word& word, Request* request, Step* step);
   void CallTool(const Block& block, const Word& word, Request* request, Step* step);
+  // Whether CYCLE832 switches no transformation, as its argument says.
+  bool KeepsTransformation(const Word& word) const;
+  // G00 to G03, G80 and the like.
+  void SelectMotion(const Code& code);
   void SelectSense(Request* request);
   void SelectSpeedMode(Request* request);
   void SelectOffset(const char* text, const Block& block, Request* request);
@@ -272,6 +282,7 @@ class Interpreter {
   void ChangeFrame(Request* request, Step* step);
   // Whether tool centre point control goes on is not known, nor any other frame of words.
   void LoseToolPoint() {
+    if (modal_.tool_point != 0) lost_tool_point_ = modal_.tool_point, lost_tool_point_line_ = line_;
     modal_.blockers |= modal_.tool_point;
     modal_.tool_point = 0;
     coordinates_.SetToolPoint(false);
@@ -290,6 +301,10 @@ class Interpreter {
   std::string WhyNoCutter(const Request& request, Ticks* radius) const;
   // While it is in force: what the block does to the contour beside moving along it.
   void KeepCutter(const AxisTicks& offsets_before, const Modal& before, Request* request);
+  // Why APPR or DEP LCT is not followed, or "".
+  std::string WhyNoApproach(const Request& request) const;
+  // DEP LT, LN and CT.
+  void Depart(const Request& request, Step* step);
   // Why a move is not one of the contour, or "".
   std::string WhyNoContour(const Request& request, const Step& step) const;
   // The same of tool centre point control alone.
@@ -383,6 +398,8 @@ class Interpreter {
   void SelectMirror(const Request& request, bool is_whole, const Step& step);
   // Behind a block that may be skipped: what it changed is not known.
   void KeepBoth(const Modal& before, const AxisTicks& offsets_before);
+  // Why a work offset or a tool length is not known: `what`, or the line that may have changed it.
+  std::string WhyNotStated(const std::string& what) const;
   void SelectLength(Request* request);
   // Of a D number of Sinumerik: that of the tool which the last T word and M6 brought into the spindle; 0: which tool
   // that is, is not known.
@@ -421,6 +438,8 @@ class Interpreter {
   void CallCycleAt(const Block& block, const Request& request, Step* step);
   void LoseCycle(const std::string& reason, Step* step);
   void GoTo(Step* step);
+  // In a tilted plane: where a rapid move leads is not known along the tool until a tool length is in force.
+  void WaitForLength(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
   bool MayMoveBy(int axis, Step* step);
   // The axis words' positions into step->end; false and Unsupported when one cannot be read.
@@ -506,6 +525,9 @@ class Interpreter {
   uint32_t blockers_seen_ = 0;      // that were ever in force
   const Code* defined_ = nullptr;   // of CYCL DEF, whose lines are read
   std::array<std::optional<Ticks>, 5> definition_;  // Q200 to Q204
+  uint32_t lost_tool_point_ = 0;                    // whose end or going on is not known, since this line
+  int64_t lost_tool_point_line_ = 0;
+  int64_t forgot_stated_line_ = 0;  // which may have changed offsets and lengths that were stated
   bool block_may_be_skipped_ = false;
   bool stops_at_calls_ = false;
   bool is_followed_return_ = false;  // of the line that is read

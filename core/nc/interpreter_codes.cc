@@ -103,6 +103,8 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         request->radius = &word;
         break;
       case Role::kRadiusCompensation:
+        // Of the arc that touches the contour.
+        if (request->departs || request->IsOfContour(kApproach) || request->IsOfContour(kDeparture)) break;
         if (word.number.mantissa != 0) request->Refuse("word R other than R0");
         EndMode(kCutterCompensation);
         break;
@@ -225,7 +227,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
         modal_.called = DrillCycle();  // or Q parameters, which may be those of the definition
         defined_ = nullptr;
       }
-      if (word.letter == 0 && code.detail == kMaySetTransformation) {
+      if (word.letter == 0 && code.detail == kMaySetTransformation && !KeepsTransformation(word)) {
         LoseToolPoint();
         modal_.turns_by_vector = true;
       }
@@ -266,6 +268,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
         request->Refuse("two motion codes in one block");
       request->motion = &code;
       request->stated |= kMotionGroup;
+      if (request->IsOfContour(kDeparture)) EndMode(kCutterCompensation);
       if (code.meaning != Meaning::kOtherMotion) return;
       step->is_curve = code.detail == kCurve;
       step->is_tangential = code.detail == kTangential;
@@ -398,6 +401,11 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kLocalShift:
       request->shift = &code;
       return;
+    case Meaning::kDepart:
+      request->departs = true;
+      EndMode(kCutterCompensation);
+      modal_.is_cutter_ending = false;
+      return;
     case Meaning::kCutterSide:
       request->Choose(&request->cutter_side, code, "side of cutter compensation");
       if (request->cutter_side->detail != code.detail) request->Refuse("two sides of cutter compensation in one block");
@@ -407,6 +415,14 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       if (code.detail == kMirror) request->mirror_on = &code;
       if (code.detail == kModalMacro && modal_.macro_depth < 255) ++modal_.macro_depth;
       if (code.detail == kModalMacro) NoteCall(), request->is_call = true;
+      if (code.detail == kKinematics && word.letter == 'M') {
+        const std::string name = WordText(word);
+        return request->Refuse(absl::StrCat(
+            named(),
+            ": to which ones only the machine's ini file says; where they are those of axis positions, state "
+            "--harmless-m ",
+            name.substr(1), ", and post what runs under others as axis positions"));
+      }
       return request->Refuse(named());
     case Meaning::kMirrorOn:
       request->mirror_on = &code;
@@ -473,6 +489,18 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->ends_block = true;
       return;
   }
+}
+
+// "CYCLE832(0.01,_ORI_FINISH,0.1)": named kinds of machining leave transformations as they are. In numbers of older
+// controls a digit switches them.
+bool Interpreter::KeepsTransformation(const Word& word) const {
+  static constexpr const char* kKinds[] = {"_OFF",        "_FINISH",      "_SEMIFIN",  "_ROUGH",
+                                           "_ORI_FINISH", "_ORI_SEMIFIN", "_ORI_ROUGH"};
+  const std::string rest = RestOf(text_ + word.end, end_of_text_);
+  const size_t begin = rest.find(',');
+  if (begin == std::string::npos) return false;
+  const std::string kind = rest.substr(begin + 1, rest.find_first_of(",)", begin + 1) - begin - 1);
+  return std::any_of(std::begin(kKinds), std::end(kKinds), [&](const char* known) { return kind == known; });
 }
 
 // "C X+20 Y+10 DR-".
@@ -580,7 +608,19 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
   }
   modal_.blockers |= kUnstatedOffset;
   if (request->has_two_offsets) return;
-  request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
+  const bool was_stated = std::any_of(options_->work_offsets.begin(), options_->work_offsets.end(),
+                                      [&name](const WorkOffset& stated) { return stated.code == name; });
+  constexpr char kNoValues[] = "its values are not stated";
+  request->Refuse(
+      absl::StrCat(name, " (", request->offset_code->text, "): ", was_stated ? WhyNotStated(kNoValues) : kNoValues));
+}
+
+std::string Interpreter::WhyNotStated(const std::string& what) const {
+  if (forgot_stated_line_ == 0) return what;
+  return absl::StrCat(
+      "line ", forgot_stated_line_,
+      " may have measured or set it anew: what was stated holds in front of that line; make what stands "
+      "behind it a program of its own");
 }
 
 bool Interpreter::MayJumpBack(const char* text, const Block& block, const Request& request) const {
@@ -635,6 +675,7 @@ void Interpreter::NoteCall() {
 }
 
 void Interpreter::ForgetStated() {
+  forgot_stated_line_ = line_;
   modal_.blockers |= kUnstatedOffset;
   if (coordinates_.active_length() >= 0) modal_.blockers |= kUnstatedLength;
   coordinates_.ForgetStated();
@@ -711,13 +752,17 @@ void Interpreter::SelectLength(Request* request) {
     }
     return;
   }
+  const bool was_stated = std::any_of(options_->tool_lengths.begin(), options_->tool_lengths.end(),
+                                      [number](const ToolLength& stated) { return stated.number == number; });
+  constexpr char kNoValue[] = "its value is not stated";
   modal_.blockers |= kUnstatedLength;
-  request->Refuse(request->length_number == nullptr && last_length_number_ < 0
-                      ? dialect_->takes_loaded_tool
-                            ? "tool length offset without a number, and no T word and M6 in front of it say which tool "
-                              "is in the spindle"
-                            : "tool length offset without a number"
-                      : absl::StrCat("tool length ", ToolNumberText(number), ": its value is not stated"));
+  request->Refuse(
+      request->length_number == nullptr && last_length_number_ < 0
+          ? dialect_->takes_loaded_tool
+                ? "tool length offset without a number, and no T word and M6 in front of it say which tool "
+                  "is in the spindle"
+                : "tool length offset without a number"
+          : absl::StrCat("tool length ", ToolNumberText(number), ": ", was_stated ? WhyNotStated(kNoValue) : kNoValue));
 }
 
 }  // namespace axiscal::nc

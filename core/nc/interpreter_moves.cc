@@ -37,6 +37,7 @@ const char* NameOf(ModalGroup group) {
 
 void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   if (request.is_pole) return SetPole(block, request, step);
+  if (request.departs) return Depart(request, step);
   if (request.machine_move != nullptr) return DoMachineMove(request, step);
   if (request.data_input != nullptr || request.frame != nullptr) return;  // its words are values
   if (request.turn_to_plane != nullptr) return;
@@ -88,6 +89,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   bool is_consequence = false;
   std::string reason = WhyNoMove(request, &is_consequence);
   if (reason.empty()) reason = WhyNoVector(request, *step);
+  if (reason.empty()) reason = WhyNoApproach(request);
   if (!reason.empty()) return Unsupported(std::move(reason), is_consequence, step);
   if (is_cycle) return Drill(block, request, step);
   Move(block, request, step);
@@ -225,7 +227,11 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   *is_consequence = false;
   if (modal_.blockers != 0) {
     *is_consequence = (modal_.blockers & request.blockers_before) != 0;
-    return BlockerText(modal_.blockers);
+    const bool is_lost = (modal_.blockers & lost_tool_point_) != 0 && (modal_.blockers & ~lost_tool_point_) == 0;
+    return absl::StrCat(BlockerText(modal_.blockers),
+                        is_lost ? absl::StrCat(", or not: line ", lost_tool_point_line_,
+                                               " may have ended it; end it in front of that line and begin it again")
+                                : "");
   }
   if (modal_.motion == Meaning::kOtherMotion) {
     *is_consequence = request.motion == nullptr;
@@ -241,7 +247,8 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
       (frames_.inner - Eigen::Matrix3d::Identity()).norm() > 0)
     return "a circular move in another plane than XY of turned or mirrored coordinates";
   if (is_control || is_in_table()) {
-    if (coordinates_.active_length() <= 0 || (modal_.uncertain & kLengthGroup) != 0) {
+    const bool may_wait = !is_control && modal_.motion == Meaning::kRapid;  // for its length: Move
+    if (!may_wait && (coordinates_.active_length() <= 0 || (modal_.uncertain & kLengthGroup) != 0)) {
       *is_consequence = is_tool_length_asked_;
       is_tool_length_asked_ = true;
       return absl::StrCat(
@@ -489,6 +496,20 @@ bool Interpreter::ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* s
   return false;
 }
 
+void Interpreter::WaitForLength(Step* step) {
+  if (coordinates_.active_length() > 0 && (modal_.uncertain & kLengthGroup) == 0) return;
+  const std::array<int, 3>& xyz = frame_of_words_.xyz();
+  bool is_known = true;
+  for (int i = 0; i < axis_count_; ++i) is_known &= is_linear_[i] || step->end.is_known(i);
+  const bool is_upright =
+      is_known && (word_frame_->base == WordFrame::Base::kTable || frame_of_words_.IsAlongZ(step->end.ticks));
+  // The length that comes moves the tool along Z alone where the tool stands along it.
+  for (size_t k = is_upright ? 2 : 0; k < 3; ++k) {
+    if (step->end.is_known(xyz[k])) ForgetPosition(xyz[k], false);
+    step->end.known &= static_cast<uint16_t>(~(1u << xyz[k]));
+  }
+}
+
 void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   step->is_rapid = modal_.motion == Meaning::kRapid || request.is_rapid_block;
   if (!ReadTargets(block, step)) return;
@@ -500,6 +521,7 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
     }
   }
   if (is_in_table() && !KeepsPlane(step)) return;
+  if (is_in_table()) WaitForLength(step);
   step->takes_no_rotary_words = StatesVectors();
   if (request.HasVector()) {
     if (std::string reason = TurnToVector(block, request, step); !reason.empty())

@@ -92,7 +92,8 @@ void JobReport::Passed(const BlockText& block, const std::string& reason, bool i
     AddFinding(block, reason, &report_.passed);
     for (const std::string& option : MissingOptions(reason, compensator_.machine())) Ask(option);
   }
-  if (!report_.is_null_correction) report_.not_corrected.Add(block.line, reason);
+  if (!report_.is_null_correction)
+    report_.not_corrected.Add(block.line, source_.empty() ? reason : absl::StrCat("in ", source_, ": ", reason));
 }
 
 void JobReport::Refused(const BlockText& block, const std::string& reason, bool is_consequence) {

@@ -29,7 +29,10 @@ class JobReport {
   bool is_refused() const { return report_.blocks_refused > 0; }
 
   // Of the blocks that follow: the file of a subprogram, "": the program itself.
-  void SetSource(const std::string& name) { source_ = name; }
+  void SetSource(const std::string& name) {
+    if (name != source_) report_.not_corrected.End();
+    source_ = name;
+  }
   // "line 7: " and the text.
   void Note(const BlockText& block, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.

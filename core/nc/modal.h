@@ -47,13 +47,15 @@ struct Modal {
   Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion, kDrillCycle or kOtherMotion. Power-on is
                                       // linear.
   DrillCycle cycle;
+  // What G80 brings back into force: kRapid or kLinear in front of `cycle`, or kCancelMotion.
+  Meaning motion_before_cycle = Meaning::kCancelMotion;
   // What a call drills, of the last CYCL DEF or of MCALL; `level`: where Z stands behind it.
   DrillCycle called;
   bool calls_at_moves = false;    // MCALL: behind each move
   bool returns_to_entry = false;  // G99
   bool is_return_unsure = true;   // until the program states it: controls begin with either
-  bool is_clockwise = false;          // of kArc
-  const char* motion_text = "";       // of kOtherMotion
+  bool is_clockwise = false;      // of kArc
+  const char* motion_text = "";   // of kOtherMotion
   bool is_inch = false;
   bool is_incremental = false;
   bool are_centres_absolute = false;
@@ -75,8 +77,8 @@ struct Modal {
   int8_t cutter_side = 0;
   Ticks cutter_radius = 0;
   bool is_cutter_ending = false;  // it ended, and the move in X or Y that leads away is still to come
-  uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force
-  uint8_t uncertain = 0;       // ModalGroups
+  uint8_t macro_depth = 0;        // of kModalMacro: how many calls are in force
+  uint8_t uncertain = 0;          // ModalGroups
 
   bool operator==(const Modal&) const = default;
 };

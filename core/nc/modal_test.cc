@@ -128,6 +128,10 @@ TEST(Modal, AdditionalWorkOffsetsByNumber) {
   EXPECT_REWRITTEN(options, "G54.1 P5\nG1 X1. Y0. Z0. B0. C0.\n", "G54.1 P5\nG1 X1. Y0. Z-0.0417 B0. C0.\n");
   EXPECT_REFUSED(options, "G54.1 P6\n", "G54.1 P6 (additional work offset): its values are not stated");
   EXPECT_REFUSED(options, "G54.1\n", "G54.1 without a P word");
+  // A probe's macro may have measured it.
+  const testing::Outcome probed = testing::Rewritten("G65 P9814 D5.\nG90 G17 G21 G94\nG54.1 P5\nG1 X1.\n", options);
+  ASSERT_GE(probed.report.refused.size(), 2u);
+  EXPECT_THAT(probed.report.refused[1].reason, ::testing::HasSubstr("line 1 may have measured or set it anew"));
   EXPECT_REFUSED(options, "G54.1 P5\nG10 L2 P1 X0\nG1 X5.\n", "G10 (data input");
 }
 

@@ -21,14 +21,14 @@ struct Interpreter::Request {
   const Code* plane = nullptr;
   const Code* sense = nullptr;  // DR+, DR-
   const Code* machine_move = nullptr;
-  const Code* preset = nullptr;  // G92
+  const Code* preset = nullptr;       // G92
   const Code* scaling_off = nullptr;  // G50
   const Code* mirror_on = nullptr;
   const Code* mirror_off = nullptr;
-  const Code* shift = nullptr;   // G52
-  const Code* owner = nullptr;   // whose words axis words are (G22, G50.1)
-  const Code* length = nullptr;  // G43, G44
-  const Code* cutter_side = nullptr;  // G41, G42
+  const Code* shift = nullptr;          // G52
+  const Code* owner = nullptr;          // whose words axis words are (G22, G50.1)
+  const Code* length = nullptr;         // G43, G44
+  const Code* cutter_side = nullptr;    // G41, G42
   const Word* radius_number = nullptr;  // D
   int8_t cutter_side_before = 0;
   const Code* tool_point = nullptr;
@@ -62,9 +62,9 @@ struct Interpreter::Request {
   bool has_two_offsets = false;
   bool is_whole = true;  // read to its end
   const Word* radius = nullptr;
-  const char* away = nullptr;  // what takes the axes away and back in this block: a tool change, a pallet change
-  bool goes_away_behind = false;  // behind the block's own move
-  bool changes_pallet = false;    // or turns axes home: none stands where it stood, whatever a tool change keeps
+  const char* away = nullptr;      // what takes the axes away and back in this block: a tool change, a pallet change
+  bool goes_away_behind = false;   // behind the block's own move
+  bool changes_pallet = false;     // or turns axes home: none stands where it stood, whatever a tool change keeps
   bool may_switch_offset = false;  // T0101
   bool is_dwell = false;
   bool is_end = false;
@@ -73,12 +73,17 @@ struct Interpreter::Request {
   bool is_local_call = false;  // M97
   bool is_jump = false;
   bool is_rapid_block = false;
+  bool departs = false;     // DEP LT, LN, CT
   bool is_pole = false;     // CC
   bool has_corner = false;  // RND=
   char foreign_axis = 0;
   char parameter = 0;
   const Word* number_of_parameter = nullptr;  // P
 
+  // APPR, DEP LCT.
+  bool IsOfContour(uint32_t detail) const {
+    return motion != nullptr && motion->meaning == Meaning::kLinear && motion->detail == detail;
+  }
   bool HasVector() const { return vector[0] != nullptr || vector[1] != nullptr || vector[2] != nullptr; }
   void Refuse(const std::string& reason) {
     if (problem.empty()) problem = reason;

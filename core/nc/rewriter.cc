@@ -106,7 +106,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     if (MustReturn()) Return();
     Copy();
   }
-  if (step.kept_away != 0) NoteKept();
+  if (step.kept_away != 0 && step.is_tool_change) NoteKept();
   if (step.moves_away) writer.ForgetAll(step.kept_away), contour_state = ContourState::kOff;
   if (job.is_refused()) out.clear();
   if (out.size() >= kOutBytes) Flush();
@@ -162,7 +162,9 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 
 bool Rewriter::Impl::MustReturn() const {
   if (!passes()) return false;
-  if (step.kind == StepKind::kUnsupported || step.kind == StepKind::kHole || step.moves_away || step.ends_subprogram ||
+  // DEP goes on from the contour, wherever that was led.
+  const bool moves_away = step.moves_away && !step.departs;
+  if (step.kind == StepKind::kUnsupported || step.kind == StepKind::kHole || moves_away || step.ends_subprogram ||
       step.begins_definition)
     return true;
   if (step.kind == StepKind::kUntouched) return interpreter.positions().known == 0;

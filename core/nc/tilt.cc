@@ -243,7 +243,12 @@ std::string Interpreter::Swivel(const std::string& arguments, Step* step) {
   std::array<double, 14> number{};
   for (size_t i = 0; i < number.size(); ++i) {
     if (i == 1 || parts[i].find_first_not_of(' ') == std::string::npos) continue;
-    const std::optional<Decimal> value = PlainNumber(parts[i]);
+    // The status is a row of digits (200000), of which the last says whether the plane is a new one.
+    std::string part = parts[i];
+    const size_t first = part.find_first_not_of(' ');
+    if (i == 2 && part.find_first_not_of("0123456789", first) == std::string::npos && part.size() - first > 1)
+      part = part.substr(part.size() - 1);
+    const std::optional<Decimal> value = PlainNumber(part);
     if (!value) return absl::StrCat("its argument ", i + 1, ", '", parts[i], "', is no plain number");
     number[i] = ValueOf(*value);
   }

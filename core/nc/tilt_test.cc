@@ -46,6 +46,14 @@ void ExpectRefused(const std::string& dialect, const std::string& program, const
   EXPECT_THAT(std::string(outcome.status.message()), HasSubstr(reason)) << program;
 }
 
+// UMC posts call the dynamic work offset, go above the part and take the tool's length behind that.
+TEST(Tilt, RapidMovesInFrontOfTheToolLengthStayAndAreCorrectedWithIt) {
+  EXPECT_EQ(Text("G90 G49\nG0 X0 Y0 Z50. B0 C0\nG254\nG0 X10. Y10.\nG43 H1 Z50.\nG1 Z1. F100\nG255\n", Options("haas")),
+            "G90 G49\nG0 X0.0183 Y0 Z50. B0 C0\nG254\nG0 X10. Y10.\nG43 H1 Z50. X10.0417\nG1 Z1. F100\nG255\n");
+  ExpectRefused("haas", "G90 G49\nG0 X0 Y0 Z50. B0 C0\nG254\nG0 X10. Y10.\nG1 Z50. F100\n",
+                "no tool length is in force");
+}
+
 // Turned by 90 deg, words of X move the axis Y and words of Y the axis X backwards.
 TEST(Tilt, RotatedWordsAreCorrectedAlongThemselves) {
   const std::string head = "G90 G0 G43 H1 Z50.\nG0 X0 Y0 Z50. B0 C0\n";
@@ -124,6 +132,11 @@ TEST(Tilt, WordsOfATiltedPlaneAreCorrectedInIt) {
   // X of this plane points down, Y stays.
   EXPECT_EQ(Text(sinumerik + "G0 X10 Y20 Z30\nCYCLE800()\n", Options("sinumerik")),
             sinumerik + "G0 X10.0417 Y20 Z30\nCYCLE800()\n");
+  // The status of ShopMill is a row of digits: the last one says whether the plane is new.
+  const std::string shop = "G90 G54 D1\nG0 B90 C0\nCYCLE800(0,\"TC\",200000,57,0,0,0,0,90,0,0,0,0,0,100,1)\n";
+  EXPECT_EQ(Text(shop + "G0 X10 Y20 Z30\n", Options("sinumerik")), shop + "G0 X10.0417 Y20 Z30\n");
+  ExpectRefused("sinumerik", "G90 G54 D1\nG0 B90 C0\nCYCLE800(0,\"TC\",200001,57,0,0,0,0,90,0,0,0,0,0)\n",
+                "adds to a plane");
   const std::string klartext =
       "BEGIN PGM A MM\nTOOL CALL 1 Z S100\nL B+0 C+0 FMAX\nPLANE SPATIAL SPA+0 SPB+90 SPC+0 TURN FMAX SEQ+\n";
   EXPECT_EQ(Text(klartext + "L X+10 Y+20 Z+30 FMAX\nPLANE RESET STAY\nEND PGM A MM\n", Options("heidenhain")),
@@ -164,7 +177,7 @@ TEST(Tilt, WhatCannotBeProvedNamesWhatHelps) {
   ExpectRefused("fanuc", "G90\nG0 G43 H1 Z9.\nG0 B0 C90.\nG68.2 X0 Y0 Z0 I90. J90. K0\nG53.1\nG0 X0 Y0 Z0\n",
                 "several positions of the rotary axes");
   ExpectRefused("fanuc", "G90\nG0 G43 H1 Z9.\nG0 B0 C0\nG68.2 X0 Y0 Z0 I90. J90. K0\nG0 X0 Y0 Z0\n", "upright");
-  ExpectRefused("fanuc", "G90\nG0 B90. C0\nG68.2 X0 Y0 Z0 I90. J90. K0\nG53.1\nG0 X0 Y0 Z0\n", "no tool length");
+  ExpectRefused("fanuc", "G90\nG0 B90. C0\nG68.2 X0 Y0 Z0 I90. J90. K0\nG53.1\nG1 X0 Y0 Z0 F100\n", "no tool length");
   ExpectRefused("fanuc", "G90\nG51 X0 Y0 Z0 P2000\nG0 X1.\n", "no point");
   ExpectRefused("fanuc", "G90\nG68 R30.\nG0 X1.\n", "all three words");
   ExpectRefused("fanuc", "G90\nG68 X0 Y0 R30.\nG55\nG0 X1.\n", "work offset");

@@ -52,6 +52,10 @@ TEST(ToolPoint, WordsAreCorrectedInTheWorkpiecesFrame) {
       "Z29.9583 F100\nG91 X1. B-90. Y-0.0417 Z0.0417\n");
   EXPECT_EQ(text("G90\nG234 H1 G1 X10. Y20. Z30. B0. C90. F100\n", Options("haas")),
             "G90\nG234 H1 G1 X10. Y19.9583 Z30. B0. C90. F100\n");
+  // Named kinds of machining leave the transformation as it is.
+  EXPECT_EQ(text("G90 G54 D1\nTRAORI\nG54 ORIAXES\nCYCLE832(0.01,_ORI_FINISH,0.1)\nG1 X10 Y20 Z30 B0 C90 F100\n",
+                 Options("sinumerik")),
+            "G90 G54 D1\nTRAORI\nG54 ORIAXES\nCYCLE832(0.01,_ORI_FINISH,0.1)\nG1 X10 Y19.9583 Z30 B0 C90 F100\n");
   EXPECT_EQ(
       text("G90 G54 D1\nTRAORI\nG54 ORIAXES\nG1 X10 Y20 Z30 B0 C90 F100\nTRAFOOF\nG54\nG0 X5 Y6 Z7 B0 C90\n",
            Options("sinumerik")),
@@ -111,6 +115,7 @@ TEST(ToolPoint, WhatIsNotKnownIsRefusedByName) {
       {"fanuc", "G43.4 H1 X1. Y1. Z1.\nG91 G1 X1. F9\nH2\nX1.\n", "G91 from an unknown position of X"},
       {"fanuc", "G43.4 H1 X1. Y1. Z1.\nM98 P100\nG90 G21 G94 G54 G1 X1. Y1. Z1. B0. C0. F9\n", "M98 (subprogram call)"},
       {"sinumerik", "TRAORI\nG1 X1 Y1 Z1 F9\n", "no tool length is in force"},
+      {"sinumerik", "D1\nTRAORI\nG54 ORIAXES\nCYCLE832(0.01,112103)\nG1 X1 Y1 Z1 F9\n", "line 4 may have ended it"},
       {"sinumerik", "D1\nTRAORI(2)\nG1 X1 Y1 Z1 F9\n", "with '(2)'"},
       {"sinumerik", "D1\nTRAORI\nG54 ORIWKS\nG1 X1 Y1 Z1 B5 C30 F9\n", "state ORIAXES"},
       {"sinumerik", "D1\nTRAORI\nG54\nG1 X1 Y1 Z1 B5 C30 F9\n", "state ORIAXES"},

@@ -163,6 +163,12 @@ void Variables::Set(const std::string& name, std::optional<double> value) {
   }
 }
 
+void Variables::ForgetOfCycles() {
+  constexpr size_t kOwnDigits = 2;  // Q0 to Q99 are the program's
+  std::erase_if(values_,
+                [](const auto& known) { return known.first[0] == 'Q' && known.first.size() > 1 + kOwnDigits; });
+}
+
 void Variables::ForgetLocals() {
   for (auto at = values_.begin(); at != values_.end();) {
     const bool is_local =

@@ -17,6 +17,8 @@ class Variables {
   std::optional<double> Value(const std::string& name) const;
   void Set(const std::string& name, std::optional<double> value);
   void ForgetAll() { values_.clear(); }
+  // Q100 and above of Klartext: the control and its cycles write them.
+  void ForgetOfCycles();
   // Those that belong to one macro or subprogram: #1 to #33, #<name>.
   void ForgetLocals();
 
@@ -32,8 +34,7 @@ const char* EndOfVariable(const char* at, const char* end, const Dialect& dialec
 // `*at` as it was: it is not one that is read, or holds what is not known.
 std::optional<double> Evaluate(const char** at, const char* end, const Dialect& dialect, const Variables& variables);
 // The same of what stands right of '=', where sums need no brackets.
-std::optional<double> EvaluateSum(const char** at, const char* end, const Dialect& dialect,
-                                  const Variables& variables);
+std::optional<double> EvaluateSum(const char** at, const char* end, const Dialect& dialect, const Variables& variables);
 
 }  // namespace axiscal::nc
 

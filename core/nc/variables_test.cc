@@ -42,6 +42,7 @@ TEST(Variables, WhatIsNotKnownIsRefused) {
         "#100=1/0\nG1 X#100 F100\n", "#100=5.\n#[#1]=7.\nG1 X#100 F100\n", "#1=5.\nM98 P8\nM30\nO8\nM99\nO9\nX#1\n"})
     EXPECT_REFUSED(kAtZero, blocks, "refused");
   EXPECT_REFUSED(In("heidenhain"), "1 Q200 = +5\n2 CYCL DEF 200 DRILL ~\n Q200=+2\n3 L X+Q200 F100\n", "line 4");
+  EXPECT_REFUSED(In("heidenhain"), "1 L X+Q10 F100\n", "the value of Q10 is not known here");
   EXPECT_REFUSED(In("heidenhain"), "1 Q1 = +5\n2 FN 5: Q1 = SQRT +4\n3 L X+Q1 F100\n", "line 3");
   EXPECT_REFUSED(In("heidenhain"), "1 Q1 = +5\n2 FN 1: Q1 = +Q1 + +Q9\n3 L X+Q1 F100\n", "line 3");
   // Locals of a macro are its own.
@@ -56,6 +57,21 @@ TEST(Variables, WhatIsNotKnownIsRefused) {
 TEST(Variables, ArgumentsOfMacrosAreKnownInThem) {
   EXPECT_REWRITTEN(kAtZero, "G65 P8 A7. X2. L2\nM30\nO8\nG1 X[#1+#24] F100\nM99\n",
                    "G65 P8 A7. X2. L2\nM30\nO8\nG1 X9.0417 F100\nM99\n");
+}
+
+// "Z=R168Y5" would be another name.
+TEST(Variables, WordsBehindANameStandApartInPackedBlocksToo) {
+  EXPECT_REWRITTEN(In("sinumerik"), "R168=4\nG1Y5F100 Z=R168\n", "R168=4\nG1Y5F100 Z=R168 X0.0417\n");
+}
+
+// Tools and cycles that wait for their call have parameters of their own.
+TEST(Variables, OfKlartextOutliveToolsAndDefinitions) {
+  RewriteOptions options = In("heidenhain");
+  options.tool_lengths = {{4, 10.0}};
+  const std::string head =
+      "1 Q10 = 40 ; CIRCLE\n2 TOOL CALL 4 Z S2500\n3 CYCL DEF 200 DRILLING ~\n Q200=2 ~\n Q201=-20 ~\n Q203=+0\n";
+  EXPECT_REWRITTEN(options, head + "4 L X+Q10 Y+0 Z+0 B+0 C+0 R0 FMAX\n",
+                   head + "4 L X+40.0428 Y+0 Z+0 B+0 C+0 R0 FMAX\n");
 }
 
 TEST(Variables, ArithmeticOfKlartextIsFollowed) {

@@ -53,11 +53,15 @@ def group(moves, others, machine):
     # front of it does, and an arc's first piece may be a straight one of some micrometres.)
     bent = [[20.0 if o.arc is not None and s.arc is None or o.rapid != s.rapid else 0.0 for o in others] for s in moves]
     later = [0.0 if o.number is None else 20.0 for o in others]
+    arcs = [0]  # among the first others
+    for o in others:
+        arcs.append(arcs[-1] + (o.arc is not None))
     inf = float("inf")
     cost = [0.0] + [inf] * m
     back = []
     for i in range(n):
         new, origin = [inf] * (m + 1), [0] * (m + 1)
+        is_long = moves[i].arc is not None and abs(moves[i].arc[4]) * moves[i].arc[5] > 0.1
         for j in range(i, m):
             if cost[j] == inf:
                 continue
@@ -67,8 +71,7 @@ def group(moves, others, machine):
                     run += later[k - 1] + bent[i][k - 1] + 0.001
                 # An arc stays one, in some of its pieces at least: a block that brings the axes back is none. (One of a tenth of
                 # a millimetre may become straight.)
-                is_long = moves[i].arc is not None and abs(moves[i].arc[4]) * moves[i].arc[5] > 0.1
-                is_straightened = is_long and all(o.arc is None for o in others[j:k])
+                is_straightened = is_long and arcs[k] == arcs[j]
                 c = run + end[i][k - 1] + (20.0 if is_straightened else 0.0)
                 if c < new[k]:
                     new[k], origin[k] = c, j

@@ -1176,9 +1176,11 @@ class Program(Writer):
                 self.plain("M9")
         self.m["Z"] = level if side == 98 else self.m["R"]
         del self.m["R"]
+        self.motion = None
         if rng.random() < 0.85:
             self.plain("G80")
-        self.motion, self.feed = None, None
+            self.motion = 0 if d != "linuxcnc" else None
+        self.feed = None
         self.rapid(self.targets(self.some_axes()))
         self.f_lines()
 
@@ -1205,6 +1207,106 @@ class Program(Writer):
         self.m["Z"] = None
         self.rapid(self.targets(self.linear))
         self.f_lines()
+
+    def f_expression(self):
+        """Words of variables that the program has set: X[#101+2.5*3.], X=R1-4."""
+        rng = self.rng
+        if self.case.get("increment"):
+            return
+        first, second = rng.randrange(101, 140), rng.randrange(140, 180)
+        for _ in range(rng.randrange(1, 3)):
+            words = {}
+            for axis in rng.sample(self.linear, rng.choice([1, 1, 2])):
+                want = round((rng_value(rng, *RANGE[axis]) - self.offset(axis)) / self.scale(axis), 3)
+                kind = rng.randrange(5 if self.dialect != "linuxcnc" else 4)
+                if kind == 0 or self.incremental:
+                    terms = [(first, want, 1.0)]
+                elif kind < 3:
+                    part = round(rng.uniform(-20, 20), 3)
+                    terms = [(first, round(want - part, 3), 1.0), (None, part, 1.0)]
+                else:
+                    part, factor = round(rng.uniform(-9, 9), 2), rng.choice([2.0, -1.5, 0.25])
+                    terms = [(first, round(want - part * factor, 5), 1.0), (second, part, factor)]
+                words[axis] = terms
+            text = []
+            for number, (axis, terms) in enumerate(words.items()):
+                text.append(self.expression(axis, terms, 10 * number))
+                value = sum(v * f for _, v, f in terms)
+                self.m[axis] = value * self.scale(axis) + self.offset(axis)
+            code = self.motion_word(1, True)
+            if self.dialect == "sinumerik":  # the names of variables end at a blank
+                text = [" " + " ".join(text) + " "] if self.packed else text
+            self.block([code] + text + [self.feed_word()])
+        self.f_lines()
+
+    def expression(self, axis, terms, shift):
+        """Writes the assignments; returns the word."""
+        sin = self.dialect == "sinumerik"
+        name = (lambda n: "R%d" % (n + shift)) if sin else (lambda n: "#%d" % (n + shift))
+        out = ""
+        for number, value, factor in terms:
+            if number is None:
+                out += ("%+.3f" % value) if out else "%.3f" % value
+                continue
+            self.lines.append("%s=%.5f" % (name(number), value))
+            if factor == 1.0:
+                out += ("+" if out else "") + name(number)
+            elif factor < 0:
+                out += "-%.2f*%s" % (-factor, name(number))
+            else:
+                out += ("+" if out else "") + "%.2f*%s" % (factor, name(number))
+        if sin:
+            return "%s=%s" % (axis, out)
+        return "%s%s" % (axis, out if out == name(terms[0][0]) else "[%s]" % out)
+
+    def f_file(self):
+        """A subprogram in a file of its own, called once or twice."""
+        rng, d = self.rng, self.dialect
+        if d in ("heidenhain", "sinumerik") or self.g93:
+            return
+        self.sub_number += 1
+        number = self.sub_number
+        body = self.body()
+        text = self.subprogram(number, body)
+        if d != "linuxcnc":
+            text = ["%"] + text + ["%"] if rng.random() < 0.5 else text
+        self.case.setdefault("files", {})["%d.%s" % (number, "ngc" if d == "linuxcnc" else "nc")] = text
+        for k in range(rng.choice([1, 2])):
+            if k > 0:
+                self.f_lines()
+            self.call_block(self.call(number, "" if d == "linuxcnc" else rng.choice(["", " L2"])))
+            self.motion = self.feed = None
+        self.restate()
+
+    def call_block(self, text):
+        """O words of LinuxCNC have no line number."""
+        self.lines.append(text) if self.dialect == "linuxcnc" else self.block([text])
+
+    def f_orivect(self):
+        """TRAORI whose tool turns by a vector, or nobody says how: short moves, and long ones."""
+        rng = self.rng
+        if self.dialect != "sinumerik" or len(self.rotary) != 2 or any(self.offset(a) for a in self.rotary) or \
+                any(self.preset.values()) or self.g93 or self.case.get("roll_over") in ("difference", "sign"):
+            return
+        self.plane_xy()
+        number = rng.choice(sorted(self.case["lengths"]))
+        self.plain("D%d" % int(number))
+        self.length = self.length_of(number)
+        self.plain("TRAORI")
+        self.plain("%s %s" % (self.wcs or "G500", rng.choice(["ORIWKS", "ORIVECT", "ORIWKS ORIVECT"])))
+        self.tcp, self.feed = True, None
+        tilting = [a for a in self.rotary if a != "C"][0]
+        at = self.targets(self.axes)
+        at[tilting] = round(rng.uniform(12, 50), 3)
+        self.rapid(at)
+        most = rng.choice([0.05, 0.2, 0.8, 20.0])
+        for _ in range(rng.randrange(1, 5)):
+            axes = rng.sample(self.linear, 2) + rng.sample(self.rotary, rng.choice([1, 2]))
+            self.feed_move({a: self.m[a] + rng.uniform(-most, most) for a in axes})
+        self.tcp_off("TRAFOOF")
+
+    def f_approach(self):
+        """APPR and DEP are Klartext's."""
 
     def f_resets(self):
         """What posts write to be safe: ends of modes that were never begun."""
@@ -1415,7 +1517,7 @@ class Program(Writer):
             if k > 0:
                 self.f_lines()
             repeats = "" if d == "linuxcnc" else rng.choice(["", "", " L2"])
-            self.block([self.call(number, repeats)])
+            self.call_block(self.call(number, repeats))
             self.motion = self.feed = None
         self.restate()
 
@@ -1445,6 +1547,63 @@ class Program(Writer):
             self.plain("G65 P9100 Q1. S2.")
             self.motion = None
         self.feed_move(self.targets([rng.choice("XY")]))
+        self.recover()
+
+    def r_pattern(self):
+        """Holes of a pattern, boring from behind and by hand: positions that stand in no word, or that a hand leaves."""
+        rng, d = self.rng, self.dialect
+        if d == "sinumerik":
+            self.lines += ["MCALL CYCLE81(50,0,2,-20)", rng.choice(["HOLES1(0,0,30,5,10,4)", "HOLES2(0,0,20,0,60,6)"]), "MCALL"]
+        elif d == "heidenhain":
+            return
+        else:
+            self.plain(rng.choice(["G98 G87 X10. Y20. Z-5. R-30. Q3. F60", "G98 G88 X10. Y20. Z-20. R5. P500 F60"] +
+                                  (["G70 I20. J0. L6", "G72 I10. J30. L4"] if d == "haas" else []) +
+                                  (["G16", "G17 G16"] if d in ("fanuc", "mazak") else [])))
+            if "G16" in self.lines[-1]:
+                self.plain("G81 X30. Y45. Z-10. R5. F100")
+                self.plain("G80")
+                self.plain("G15")
+            else:
+                self.plain("G80")
+        self.motion = None
+        self.feed_move(self.targets([rng.choice("XY")])) if rng.random() < 0.5 else None
+        self.recover()
+
+    def r_polar(self):
+        """Ends of moves by an angle and a radius."""
+        if self.dialect != "sinumerik":
+            return
+        self.plain(self.rng.choice(["G111 X5 Y5", "G110 X5 Y5", "G112 X1 Y1"]))
+        self.plain(self.rng.choice(["G1 AP=30 RP=20 F300", "G0 AP=12.5 RP=30"]))
+        self.motion = None
+        self.recover()
+
+    def r_kinematics(self):
+        """Switchable kinematics of LinuxCNC."""
+        if self.dialect != "linuxcnc":
+            return
+        self.plain(self.rng.choice(["M428", "M429", "M430"]))
+        for _ in range(self.rng.randrange(1, 3)):
+            self.feed_move(self.targets(self.axes))
+        self.plain(self.rng.choice(["M428", "M429"]))
+        self.feed_move(self.targets(self.axes))
+
+    MALFORMED = ["G1 X", "G1 X1O.", "G1 X--5.", "G1 X5. X6.", "G1 X5.5.5", "G1 X1E3", "G1 (OPEN X5.", "G1 ((A) B) X5.", "X5. Y",
+                 "G1 X5. Y6.F", "G1 G0 X5.", "G1 X[5.", "G1 X5.]", "GX5.", "G1 X5. F-", "N G1 X5.", "\t;;G1 X5.", "G2 X5. Y5.", "G1 X=", "@X5.",
+                 "G1 X\u00d85.", "G1 X99999999999999999999.", "G1 XY5.", "L X+", "L X+5 Y", "CC X", "C X+5", "L X5.5.5", "TOOL CALL", "G999 X5."]
+
+    def r_malformed(self):
+        """A line that no control reads, or that it reads otherwise than who wrote it thought."""
+        rng = self.rng
+        text = rng.choice(self.MALFORMED)
+        if rng.random() < 0.4 and self.lines:  # a line of the program with letters lost or doubled
+            text = rng.choice(self.lines)
+            at = rng.randrange(len(text) + 1)
+            text = text[:at] + rng.choice(["", text[at:at + 1] * 2, ".", "-", "X", "(", " 5"]) + text[at + 1:]
+        self.lines.append(text)
+        if rng.random() < 0.5:
+            self.feed_move(self.targets([rng.choice("XY")]))
         self.recover()
 
     def r_probe(self):
@@ -1563,8 +1722,9 @@ class Program(Writer):
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
              ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("shift", 1),
-             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5)]
+             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5), ("expression", 1), ("file", 1), ("orivect", 1)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
+               ("pattern", 1), ("polar", 0.7), ("kinematics", 1), ("malformed", 1.5),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
 
@@ -1629,8 +1789,10 @@ class Program(Writer):
             table = self.REFUSED if i in refused else self.PLAIN
             names = [n for n, _ in table if n not in self.case["without"]]
             name = rng.choices(names, [w for n, w in table if n in names])[0]
-            self.features.append(name)
+            before = len(self.lines) + len(self.tail)
             getattr(self, ("r_" if i in refused else "f_") + name)()
+            if len(self.lines) + len(self.tail) > before:  # some are of other controls or machines: they write nothing
+                self.features.append(name)
         self.end()
         return self.lines
 
@@ -1647,8 +1809,8 @@ def rng_value(rng, low, high):
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
              ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1), ("call", 1.5), ("section", 0.7), ("shift", 1),
-             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5)]
-    REFUSED = [("tcp", 2), ("unstated_offset", 0.7), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
+             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5), ("expression", 1), ("approach", 1)]
+    REFUSED = [("malformed", 1.5), ("tcp", 2), ("unstated_offset", 0.7), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
 
@@ -1893,6 +2055,60 @@ class KlartextProgram(Program):
         self.m["Z"] = None
         self.rapid(self.targets(self.linear))
         self.f_lines()
+
+    def f_expression(self):
+        """L X+Q5: a variable that the program has set, as a number or by FN 1."""
+        rng = self.rng
+        for _ in range(rng.randrange(1, 3)):
+            axis, number = rng.choice(self.linear), rng.randrange(1, 40)
+            want = round((rng_value(rng, *RANGE[axis]) - self.offset(axis)) / self.scale(axis), 3)
+            self.plain("Q%d = %+.3f" % (number, want))
+            sign = rng.choice(["+", "+", "-"])
+            self.block(["L", "%s%sQ%d" % (axis, sign, number), self.compensation(), self.feed_word()])
+            self.m[axis] = (want if sign == "+" else -want) * self.scale(axis) + self.offset(axis)
+        self.f_lines()
+
+    def f_approach(self):
+        """APPR and DEP: the control comes to the contour and leaves it by a line or an arc that touches it."""
+        rng = self.rng
+        if self.case.get("orientation"):
+            return
+        number = rng.choice(sorted(self.case["radii"]))
+        self.plain("TOOL CALL %d Z S2000" % int(number))
+        self.length = self.length_of(number)
+        self.restate()
+        self.rapid(self.targets(self.linear))
+        side, radius = rng.choice([1, -1]), self.case["radii"][number]
+        low = max(6.0, 1.5 * radius)
+        heading = rng.uniform(0, 2 * math.pi)
+
+        def ahead(length):
+            return {"X": self.m["X"] + length * math.cos(heading), "Y": self.m["Y"] + length * math.sin(heading)}
+        s = self.length_scale()
+        size = round(rng.choice([3.0, 12.0]) + radius, 2)
+        how = rng.choice(["LT", "LN", "CT", "LCT"])
+        more = {"LT": "LEN%s" % self.plain_number(size / s), "LN": "LEN%s" % self.plain_number(size / s),
+                "CT": "CCA%d R%s" % (rng.choice([90, 180, 45]), self.number(size / s)), "LCT": "R%s" % self.number(size / s).lstrip("+")}[how]
+        self.block(["APPR", how] + self.go(ahead(rng.uniform(3 * size + 20, 80)), True) + [more, "RL" if side > 0 else "RR", "F300"])
+        for _ in range(rng.randrange(1, 5)):
+            heading += rng.choice([0.0, rng.uniform(-1.2, 1.2), math.pi / 2, -math.pi / 2])
+            self.feed_move_plain(ahead(rng.uniform(2 * low + 10, 60)))
+        out = rng.choice(["LT", "LN", "CT", "LCT"])
+        if out == "LCT":
+            heading += rng.uniform(-1, 1)
+            self.block(["DEP", "LCT"] + self.go(ahead(3 * size + 30), True) + ["R%s" % self.number(size / s).lstrip("+"), "F500"])
+        else:
+            self.block(["DEP", out, "CCA%d R%s" % (rng.choice([90, 180]), self.number(size / s)) if out == "CT" else
+                        "LEN%s" % self.plain_number(size / s)])
+            self.m.update(X=None, Y=None)
+        self.feed = None
+        self.restate()
+
+    def plain_number(self, value):
+        return self.number(value, 3).lstrip("+")
+
+    def feed_move_plain(self, targets):
+        self.block(["L"] + self.go(targets, True) + [self.feed_word()])
 
     def f_roll(self):
         """M126: rotary axes take the shorter way."""
@@ -2147,6 +2363,9 @@ def draw(seed, dialects=tuple(DIALECTS), without=(), with_known=()):
         case["harmless"] = [71, 123]  # the builder says so
     if dialect == "sinumerik" and rng.random() < 0.5:
         case["edges"] = {"T%dD1" % n: round(rng.uniform(20, 120), 3) for n in (1, 2, 7)}
+    if dialect in ("fanuc", "haas", "linuxcnc", "heidenhain") and rng.random() < 0.3:
+        case["table"] = True  # the control's own table states lengths and radii
+        case["features"].append("tool_table")
     if len(axes) > 3 and rng.random() < 0.4:
         case["keeps"] = [a for a in axes if a in "ABC" and rng.random() < 0.8]
     if "unstated-unit" in without:

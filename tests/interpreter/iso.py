@@ -68,17 +68,28 @@ class Iso(Control):
             match = re.match(r"\s*N\s*(\d+)", clean, re.I)
             if match:
                 self.labels.setdefault(int(match.group(1)), i)
+        # Subprograms in files of their own stand behind the text, where nothing runs into them.
+        main = len(body)
+        at = list(range(1, main + 1))  # lines, as each file counts them
+        for name, lines in self.setup.get("files", {}).items():
+            for line in lines.replace("\r", "").split("\n"):
+                clean, skipped = self.clean(line)
+                match = re.match(r"\s*[O:]\s*(\d+)\s*(SUB)?", clean, re.I)
+                if match:
+                    (self.subs if match.group(2) else self.programs).setdefault(int(match.group(1)), len(body))
+                body.append((clean, skipped))
+            at += range(1, len(body) - len(at) + 1)
         self.body = body
         # Behind a first %, the second one ends the file.
-        percents = [i for i, (clean, _) in enumerate(body) if clean.strip() == "%"]
+        percents = [i for i, (clean, _) in enumerate(body[:main]) if clean.strip() == "%"]
         begin = percents[0] + 1 if percents else 0
-        end = percents[1] if len(percents) > 1 else len(body)
+        end = percents[1] if len(percents) > 1 else main
         pc, stack = begin, []
-        while pc < end:
+        while pc < end or main <= pc < len(body):
             self.tick()
             self.callers = tuple(entry[3] for entry in stack)
             clean, skipped = body[pc]
-            self.line = pc + 1
+            self.line = at[pc]
             pc += 1
             if skipped and self.setup.get("either"):  # who does not know the switch does not know where these axes stand
                 self.unsure_later = {a for a in self.axes if re.search(a + r"\s*[-+=.\d]", clean, re.I)}
@@ -108,7 +119,7 @@ class Iso(Control):
                 else:
                     pc = stack.pop()[0]
             elif what == "over":  # a LinuxCNC subprogram's text is read over
-                while pc < end and not re.match(r"\s*O\s*%d\s*ENDSUB" % where, body[pc][0], re.I):
+                while (pc < end or main <= pc < len(body)) and not re.match(r"\s*O\s*%d\s*ENDSUB" % where, body[pc][0], re.I):
                     pc += 1
                 pc += 1
         return self.trace
@@ -166,6 +177,11 @@ class Iso(Control):
                     out.append(Word(match.group(1), match.group(2)))
                     at = match.end()
                     continue
+                match = re.compile(r"([XYZABC])\s*=\s*([-+*\d.R]*R\d+[-+*\d.R]*)(?=\s|$)").match(text, at)
+                if match and re.search(r"[-+*]", match.group(2)):
+                    out.append(Word(match.group(1), self.evaluate(match.group(2))))
+                    at = match.end()
+                    continue
                 match = re.compile(r"([A-Z]+\d*)\s*=\s*(?:(AC|IC|DC|ACP|ACN)\s*\(\s*)?(R\d+|\"[^\"]*\"|" + NUMBER + r")\s*(\))?").match(text, at)
                 if match and (match.group(2) is None) == (match.group(4) is None):
                     raw = match.group(3)
@@ -182,6 +198,11 @@ class Iso(Control):
                     out.append(Word(match.group(1), rest.strip()))
                     at += len(rest)
                     continue
+            match = re.compile(r"([XYZABC])\s*\[([^\[\]]+)\]").match(text, at)
+            if match and not self.is_sinumerik:
+                out.append(Word(match.group(1), self.evaluate(match.group(2))))
+                at = match.end()
+                continue
             match = re.compile(r"(IF|GOTO|WHILE|DO|END|DPRNT|POPEN|PCLOS)").match(text, at)
             if match:
                 out.append(Word(match.group(1), text[match.end():].strip()))
@@ -199,6 +220,19 @@ class Iso(Control):
                 out.append(Word(match.group(1), float(raw), None, "." in raw))
             at = match.end()
         return out
+
+    def evaluate(self, text):
+        """A sum of numbers, variables and products of two of them."""
+        total = 0.0
+        for sign, product in re.findall(r"([-+]?)([^-+]+)", text.replace(" ", "")):
+            value = -1.0 if sign == "-" else 1.0
+            for factor in product.split("*"):
+                name = re.fullmatch(r"(?:#|R)(\d+)", factor)
+                if name and int(name.group(1)) not in self.variables:
+                    raise Alarm("variable %s is empty" % factor)
+                value *= self.variables[int(name.group(1))] if name else float(factor)
+            total += value
+        return total
 
     # -- one block
     def block(self, text):
@@ -440,12 +474,14 @@ class Iso(Control):
             code = has(*CYCLES)
             if code:
                 if self.cycle is None:
+                    self.motion_before = self.motion
                     self.cycle_level, self.level_is_known = self.standing()["Z"], "Z" not in self.opaque
                 if self.cycle != int(code):
                     self.cycle_r = self.cycle_z = None
                 self.cycle = self.motion = int(code)
-            if has(80):
-                self.cycle, self.motion = None, 80
+            if has(80):  # of Fanuc, Mazak and Haas it is of the group of the cycles: the motion code stands as it did
+                keeps = self.cycle is not None and self.dialect != "linuxcnc"
+                self.cycle, self.motion = None, self.motion_before if keeps else 80
             code = has(98, 99)
             if code:
                 self.return_level = int(code)
@@ -578,8 +614,10 @@ class Iso(Control):
                 self.cutter_on(1 if code == 41 else -1, self.edge, self.plane == 17)
             if has(40):
                 self.cutter_off()
-            if has(110, 111, 112):
-                self.enter("polar")
+            code = has(110, 111, 112)
+            if code:  # a pole, for AP and RP alone
+                self.raw("G%d" % code, [], dict(axis_words), list(other), moves=False)
+                axis_words.clear()
             return
         code = has(41, 42, 41.1, 42.1, 41.2, 42.2)
         d_words = {} if d == "linuxcnc" and code not in (41, 42) else self.take(other, "D") if code or d != "linuxcnc" else {}
@@ -688,6 +726,7 @@ class Iso(Control):
                 axis_words.clear()
 
     mirrored = frozenset()
+    motion_before = 80
 
     def work_offset(self, has, other):
         if self.is_sinumerik:

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 
 from compare import Comparison, Difference, Limits
@@ -31,7 +32,7 @@ class Outcome:
         self.failures = []
 
 
-def interpret(case, text, scenario, still=False):
+def interpret(case, text, scenario, still=False, files=None):
     description = MACHINES[case["machine"]]
     axes = [a for a in "XYZABC" if a in description["axes"]]
     linear = [a for a in axes if description["axes"][a]["kind"] == "linear"]
@@ -39,7 +40,8 @@ def interpret(case, text, scenario, still=False):
              "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
              "unit": scenario["unit"], "skip": scenario["skip"], "either": case["block_delete"] == "either", "rollover": scenario["rollover"],
              "radii": {int(n): v for n, v in case.get("radii", {}).items()}, "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still,
-             "keeps": case.get("keeps", ()), "edges": case.get("edges", {})}
+             "keeps": case.get("keeps", ()), "edges": case.get("edges", {}),
+             "files": files if files is not None else {n: "\n".join(t) for n, t in case.get("files", {}).items()}}
     if still:
         setup["start"] = {a: 0.0 for a in axes}
     control = Klartext(axes, linear, setup) if case["dialect"] == "heidenhain" else Iso(case["dialect"], axes, linear, setup)
@@ -101,12 +103,16 @@ def command(case, axiscal, folder, mode):
     for name, values in case["offsets"].items():
         if name != "G500" and name not in case.get("unstated", ()):
             out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
-    for number, value in case["lengths"].items():
+    if case.get("table"):
+        out += ["--tool-table", os.path.join(folder, "tools")]
+    for number, value in case["lengths"].items() if not case.get("table") else ():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
     for number, value in case.get("edges", {}).items():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
-    for number, value in case.get("radii", {}).items():
+    for number, value in case.get("radii", {}).items() if not case.get("table") else ():
         out += ["--tool-radius", "D%s=%.6f" % (number, value)]
+    if case.get("files"):
+        out += ["--subprograms", os.path.join(folder, "subs"), "--subprograms-out", os.path.join(folder, "subs-out")]
     if case.get("radii"):
         out += ["--cutter-tolerance-um", "40"]
     if case.get("unit_option") and not states_unit(case):
@@ -128,6 +134,39 @@ def command(case, axiscal, folder, mode):
     return out + [os.path.join(folder, "in.nc"), "-o", os.path.join(folder, "out.nc")]
 
 
+def tool_table(case):
+    """Lengths and radii as the control's own table holds them, in mm."""
+    lengths, radii, d = case["lengths"], case.get("radii", {}), case["dialect"]
+    rows = sorted(set(lengths) | set(radii), key=int)
+    if d == "heidenhain":
+        return "BEGIN TOOL MM\n%-4s %-12s %-12s %-10s %-8s %-8s\n" % ("T", "NAME", "L", "R", "DL", "DR") + "".join(
+            "%-4s %-12s %+-12.4f %+-10.4f %+-8.3f %+-8.3f\n" % (n, "MILL", lengths.get(n, 0.0), radii.get(n, 0.0), 0.0, 0.0) for n in rows) + "[END]\n"
+    if d == "linuxcnc":
+        return "".join("T%s P%s Z%.4f D%.4f ; tool\n" % (n, n, lengths.get(n, 0.0), 2 * radii.get(n, 0.0)) for n in rows)
+    return "%\nG90\n" + "".join("G10 L10 P%s R%.4f\n" % (n, lengths.get(n, 0.0)) + (
+        "G10 L12 P%s R%.4f\n" % (n, radii[n]) if n in radii else "") for n in rows) + "%\n"
+
+
+def write_subprograms(case, folder):
+    for name in ("subs", "subs-out"):
+        place = os.path.join(folder, name)
+        shutil.rmtree(place, ignore_errors=True)
+        os.mkdir(place)
+    for name, lines in case.get("files", {}).items():
+        with open(os.path.join(folder, "subs", name), "w") as file:
+            file.write("\n".join(lines) + "\n")
+
+
+def read_subprograms(case, folder):
+    """Files that were written; of those that were not, the originals."""
+    out = {}
+    for place in ("subs", "subs-out"):
+        for name in sorted(os.listdir(os.path.join(folder, place))) if case.get("files") else ():
+            with open(os.path.join(folder, place, name)) as file:
+                out[name] = file.read()
+    return out
+
+
 def try_case(case, axiscal, folder, modes=("refuse", "pass")):
     outcome = Outcome()
     counts = outcome.counts
@@ -141,13 +180,17 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
         json.dump(case["errors"], file)
     with open(os.path.join(folder, "in.nc"), "w") as file:
         file.write(text)
+    if case.get("table"):
+        with open(os.path.join(folder, "tools"), "w") as file:
+            file.write(tool_table(case))
+    write_subprograms(case, folder)
     traces = []
     for scenario in scenarios(case):
         try:
             traces.append((scenario, interpret(case, text, scenario)))
         except Alarm as alarm:
             counts["sources that the control refuses: " + re.sub(r"[-+]?\d+\.?\d*", "#", str(alarm))] += 1
-    if not traces:
+    if not traces and "malformed" not in case["features"]:
         return outcome
     for mode in modes:
         out = os.path.join(folder, "out.nc")
@@ -188,7 +231,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
         not_turned = {finding["line"] for finding in report.get("orientation", {}).get("not_reached", ())}
         for scenario, source in traces:
             try:
-                output = interpret(case, written, scenario)
+                output = interpret(case, written, scenario, files=read_subprograms(case, folder))
             except Alarm as alarm:
                 outcome.failures.append(Failure(mode, scenario, "the control stops: %s" % alarm, written=written))
                 break
@@ -209,7 +252,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
                     counts[mode + ": moves with a tool vector found corrected"] += comparison.vector_moves
                 counts[mode + ": moves found unchanged"] += comparison.unchanged
                 counts[mode + ": ways back in front of passed blocks"] += comparison.brought_back
-        if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures:
+        if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures and not case.get("files") and traces:
             ask_linuxcnc(case, text, written, mode, folder, outcome)
     return outcome
 
@@ -297,7 +340,8 @@ def explain(case, outcome, out):
         print("FAILS: " + failure.text, file=out)
         s = failure.source
         if s:
-            print("source line %d: %s" % (s.line, case["lines"][s.line - 1]), file=out)
+            lines = case["lines"] if s.line <= len(case["lines"]) else [""] * s.line  # of a subprogram in a file
+            print("source line %d: %s" % (s.line, lines[s.line - 1]), file=out)
             if s.kind == "move":
                 print("  from %s\n    to %s" % (place(s.start), place(s.end)), file=out)
         written = failure.written.split("\n")

@@ -295,12 +295,13 @@ class Klartext(Control):
     def motion_block(self, body):
         words, other, m, kind = {}, {}, [], None
         text = body
-        match = re.match(r"(LP|LN|L|CR|CC|CTP|CT|CP|C)(?=\s|[XYZABCUVWI+-]|$)", text)
+        match = re.match(r"(APPR|DEP) (LT|LN|CT|LCT)(?=\s|$)", text) or \
+            re.match(r"(LP|LN|L|CR|CC|CTP|CT|CP|C)(?=\s|[XYZABCUVWI+-]|$)", text)
         if match:
-            kind, text = match.group(1), text[match.end():]
+            kind, text = match.group(0), text[match.end():]
         at = 0
         token = re.compile(
-            r"\s*(?:(FMAX|F MAX|FAUTO)|(R0|RL|RR)(?![\d.+-])|(DR[+-])|M(\d+)|(I?)([XYZABCUVW])\s*" + VALUE + r"|(IPA|PA|IPR|PR|[IFSRP])\s*" + VALUE +
+            r"\s*(?:(FMAX|F MAX|FAUTO)|(R0|RL|RR)(?![\d.+-])|(DR[+-])|M(\d+)|(I?)([XYZABCUVW])\s*" + VALUE + r"|(LEN|CCA|IPA|PA|IPR|PR|[IFSRP])\s*" + VALUE +
             r"|(I?[XYZABCUVW])\s*([+-]?)Q(\d+)|(MB MAX|MB)\s*" + VALUE + r"?|([TN][XYZ])\s*" + VALUE + "|(.))")
         while at < len(text):
             match = token.match(text, at)
@@ -385,7 +386,9 @@ class Klartext(Control):
             self.lose(self.axes)
             other = {}
         self.vector = None
-        if kind == "LN" and self.tcp and not self.foreign and not machine and 130 not in m and any("T" + a in other for a in "XYZ") and \
+        if kind and kind[0] in "AD":
+            self.leave_or_come(kind, words, other, comp)
+        elif kind == "LN" and self.tcp and not self.foreign and not machine and 130 not in m and any("T" + a in other for a in "XYZ") and \
                 not any(a not in self.linear for a in words):
             # The normals move the path where the tool has differences alone.
             self.vector = [other.pop("T" + a, 0.0) for a in "XYZ"]
@@ -452,6 +455,24 @@ class Klartext(Control):
                     code not in self.setup.get("harmless", ()):
                 self.lose(self.axes)
         return None
+
+    def leave_or_come(self, kind, words, other, comp):
+        """APPR leads to the first point of the contour, DEP away from its last one: to a point of its own, or the control
+        computes where."""
+        raw = (kind, tuple(sorted((k, str(v)) for k, v in other.items())))
+        comes = kind.startswith("APPR")
+        if not comes:
+            self.cutter_off()
+        if self.foreign or self.tcp or (comes and comp not in ("RL", "RR")):
+            event = self.emit("raw")
+            event.key = ("mode", kind, tuple(sorted(self.foreign)), tuple(sorted(words.items())), raw, None)
+            self.lose(self.linear)
+        elif comes or kind == "DEP LCT":
+            self.move(words, False, None, ("straight",) + raw)
+        else:
+            self.cutter_state = "off"
+            self.code("DEP", raw)
+            self.lose(["X", "Y"])
 
     drilling = None
 
