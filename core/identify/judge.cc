@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/identify/curved_setup.h"
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
 #include "core/identify/unseen.h"
@@ -70,8 +71,10 @@ std::vector<StatedPart> AddStated(const SolvedProblem& solved, Covariance* covar
   return parts;
 }
 
-// `linear`: covariance of the errors by the readings' noise as stated, with all priors.
-PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::MatrixXd& linear) {
+// `linear`: covariance of the errors by the readings' noise as stated, with all priors; `curved`: what offsets that
+// rest on weak priors do by curvature.
+PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::MatrixXd& linear,
+                                  const Eigen::MatrixXd& curved) {
   const std::vector<Parameter>& parameters = solved.parameters;
   const int p = static_cast<int>(parameters.size());
   PriorDominated out;
@@ -79,20 +82,25 @@ PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::Matr
   const Eigen::MatrixXd alone = InverseBeside(
       Reduce(solved.problem, solved.solution.point, solved.solution.normal, Priors::kInformative), solved.held);
   const Eigen::VectorXd sizes = PlausibleSizes(solved.solution.point.model, parameters);
+  std::vector<bool> is_by_curvature(p, false);
   for (int i = 0; i < p; ++i) {
     if (solved.null_space.involved[i] || parameters[i].is_nonlinear || solved.IsHeld(i)) continue;
     constexpr double kHalf = 0.5;
-    out.involved[i] = std::sqrt(linear(i, i)) > kMeasuredWithin * sizes[i] && !(linear(i, i) >= kHalf * alone(i, i));
+    const double variance = linear(i, i) + curved(i, i);
+    is_by_curvature[i] = curved(i, i) > kHalf * variance;
+    out.involved[i] = std::sqrt(variance) > kMeasuredWithin * sizes[i] &&
+                      (is_by_curvature[i] || !(linear(i, i) >= kHalf * alone(i, i)));
   }
   // Named together where readings alone would move them together.
   constexpr double kTogether = 0.9;  // correlation
   std::vector<bool> is_named(p, false);
   for (int i = 0; i < p; ++i) {
     if (!out.involved[i] || is_named[i]) continue;
+    const Eigen::MatrixXd& moved = is_by_curvature[i] ? curved : alone;
     Eigen::VectorXd direction = Eigen::VectorXd::Zero(p);
     for (int j = 0; j < p; ++j) {
-      if (!out.involved[j] || !(std::abs(alone(i, j)) >= kTogether * std::sqrt(alone(i, i) * alone(j, j)))) continue;
-      direction[j] = alone(i, j) / alone(i, i);
+      if (!out.involved[j] || !(std::abs(moved(i, j)) >= kTogether * std::sqrt(moved(i, i) * moved(j, j)))) continue;
+      direction[j] = moved(i, j) / moved(i, i);
       is_named[j] = true;
     }
     direction[i] = 1.0;
@@ -129,14 +137,16 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   judgement.coverage_factor =
       information::CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
   judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);
+  const auto p = static_cast<Eigen::Index>(solved.parameters.size());
+  Eigen::MatrixXd curved = Eigen::MatrixXd::Zero(p, p);
   if (options.profile_intervals) {
-    const auto p = static_cast<Eigen::Index>(solved.parameters.size());
-    judgement.covariance.errors.topLeftCorner(p, p) += UnseenCovariance(solved, judgement.covariance);
+    curved = CurvedSetupCovariance(solved, judgement.covariance);
+    judgement.covariance.errors.topLeftCorner(p, p) += UnseenCovariance(solved, judgement.covariance) + curved;
   }
   judgement.stated = AddStated(solved, &judgement.covariance);
   const Eigen::MatrixXd linear =
       InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);
-  judgement.prior_dominated = FindPriorDominated(solved, linear);
+  judgement.prior_dominated = FindPriorDominated(solved, linear, curved);
   ASSIGN_OR_RETURN(judgement.without_interval, FindWithoutInterval(solved, linear, judgement.sigma_scale, options));
   judgement.unsupported = FindUnsupported(solved, judgement);
   return judgement;

@@ -27,18 +27,24 @@ void WritePositions(const machine::Machine& machine, const instruments::Measurin
 }
 
 // A touch has no reading of its own: the positions at which the probe triggers are measured. Moves the linear
-// axes along the approach until the gap is `gap_mm`. INVALID_ARGUMENT when the stylus passes the feature by.
-absl::Status MoveToContact(const machine::Machine& machine, const machine::JointErrors<double>& errors,
-                           const double* setup, int reading, double gap_mm, instruments::MeasuringRun* run) {
-  double* positions = run->positions.data() + static_cast<size_t>(reading) * run->axis_count;
+// axes along the approach until the gap is `gap_mm`, with the errors of where they are then: an artefact that stands
+// 5 mm off is touched 5 mm further on. INVALID_ARGUMENT when the stylus passes the feature by.
+absl::Status MoveToContact(const machine::Machine& machine, const Measuring& measuring, const double* setup,
+                           int reading, double gap_mm, instruments::MeasuringRun* run) {
+  const size_t first = static_cast<size_t>(reading) * run->axis_count;
+  double* positions = run->positions.data() + first;
   const Eigen::Matrix3Xd directions = centres::LinearDirections(machine, positions);
   const Eigen::Matrix3d reach = directions * directions.transpose();
   const Eigen::VectorXd along = directions.transpose() * (reach.inverse() * run->touches.approach[reading]);
   const std::vector<int> linear = centres::LinearAxes(machine);
   const auto gap_after = [&](double step_mm) {
-    for (size_t i = 0; i < linear.size(); ++i) positions[linear[i]] += step_mm * along[i];
+    for (size_t i = 0; i < linear.size(); ++i) {
+      positions[linear[i]] += step_mm * along[i];
+      run->axis_states[first + linear[i]].position = positions[linear[i]];
+    }
     double predicted_mm = NAN;
-    instruments::Predict(machine, *run, reading, errors, setup, &predicted_mm);
+    instruments::Predict(machine, *run, reading, measuring.errors_at(reading, run->StateOf(reading)), setup,
+                         &predicted_mm);
     return predicted_mm - gap_mm;
   };
   double gap = gap_after(0.0);
@@ -179,7 +185,8 @@ absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const 
       if (run.kind == instruments::Kind::kTouch) {
         // The gap by what is stated, where the real one is noise alone.
         const double off_mm = stated_mm.size() > 0 ? stated_mm(row, k) : 0.0;
-        RETURN_IF_ERROR(MoveToContact(machine, errors, setup.data(), k, reading_mm - predicted_mm[row] - off_mm, &run));
+        RETURN_IF_ERROR(
+            MoveToContact(machine, measuring, setup.data(), k, reading_mm - predicted_mm[row] - off_mm, &run));
         continue;
       }
       if (run.kind == instruments::Kind::kEccentricity) {

@@ -42,6 +42,24 @@ INSTANTIATE_TEST_SUITE_P(Every, PlannedCoverage, ::testing::ValuesIn(plan::TestN
   return name;
 });
 
+// Blocks that were touched in the middle of their faces do not tell how they are turned, and a turn of 20 mrad, which
+// is what a mounting by hand may be off by, makes their distance read 200 um/m too short: no scale of the machine is
+// known to a few um/m by that (core/identify/curved_setup.h).
+TEST(PlannedFit, AScaleThatATurnTakesUpHasNoNumber) {
+  constexpr uint64_t kSeed = 148;  // a set-up that stands 7 mm and 20 mrad off, and whose fit has a turn of nearly zero
+  const std::vector<PlannedCase> cases = PlannedCases("touch-blocks");
+  ASSERT_FALSE(cases.empty());
+  const auto identified = IdentifyPlanned(cases[kSeed % cases.size()], kSeed, true);
+  ASSERT_TRUE(identified.ok()) << identified.status();
+  int scales = 0;
+  for (const identify::Estimate& estimate : identified->fit.result.estimates) {
+    if (estimate.name != "EXX:linear" && estimate.name != "EYY:linear" && estimate.name != "EZZ:linear") continue;
+    EXPECT_FALSE(estimate.identifiable) << estimate.name << " " << estimate.value << " +- " << estimate.sigma;
+    ++scales;
+  }
+  EXPECT_EQ(scales, 3);
+}
+
 // docs/validation.md is made by a command (tests/validation/run): a test that came later is missing there.
 TEST(Validation, ThePageHasEveryTest) {
   std::ifstream file(base::SourcePath("/docs/validation.md"));
