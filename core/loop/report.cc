@@ -158,7 +158,8 @@ reports::Fitted FittedOf(const Report& found) {
   // warns of, the loop judges itself.
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
     return warning.kind != reports::WarningKind::kResolution && warning.kind != reports::WarningKind::kDatum &&
-           warning.kind != reports::WarningKind::kCertificate && !reports::ComesFirst(warning.kind);
+           warning.kind != reports::WarningKind::kCertificate && warning.kind != reports::WarningKind::kClock &&
+           !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/base/crc32c.h"
+#include "core/base/error_detail.h"
 #include "core/nc/rewrite.h"
 #include "core/nc/testing/rewritten.h"
 
