@@ -32,9 +32,10 @@ constexpr Oid kBool = 16, kBytea = 17, kInt8 = 20, kInt4 = 23, kText = 25, kUnkn
 // transaction.
 constexpr int64_t kStoreLock = 0x41786973, kWriteLock = 0x41786977;
 // Whoever starts looks for so long whether he is the only one: a process that was killed is gone for the server a
-// moment later. And he waits so long for one that keeps him off.
+// moment later. And he waits so long for one that keeps him off: on a machine with much to do a new schema takes ten
+// seconds.
 constexpr std::chrono::milliseconds kAloneWithin(500), kLooksAgain(20);
-constexpr char kStoreWait[] = "10s";
+constexpr char kStoreWait[] = "30s";
 // A lock of anything else. And how long a transaction waits for those that write before it: 32 of a process at a time
 // take milliseconds; one of a process that stands still is ended after kIdleWriter.
 constexpr char kLockWait[] = "2s", kWriteWait[] = "20s", kIdleWriter[] = "10s";

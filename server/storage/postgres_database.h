@@ -27,7 +27,7 @@ struct PostgresOptions {
 // Connects, brings the tables to this program's schema, and, where no other process has the store, returns RUNNING jobs
 // of one that died to the queue; others wait meanwhile.
 //   no server, or it refuses: UNAVAILABLE STORE_DOWN; held by a process that copies it, or that has opened it alone and
-//   brings it up to date for longer than ten seconds: UNAVAILABLE STORE_LOCKED; not ours, or
+//   brings it up to date for longer than half a minute: UNAVAILABLE STORE_LOCKED; not ours, or
 //   of a newer version: FAILED_PRECONDITION NOT_A_DATABASE, SCHEMA_NEWER, SCHEMA_CHANGED.
 // A server that goes away meanwhile is connected to again by the next call. A write under way then returns UNAVAILABLE
 // STORE_DOWN; it may have been committed.
