@@ -230,9 +230,13 @@ class Server::Impl {
               .rates = handlers::CallRates(options.calls_per_second),
               .events = events_,
               .metrics = metrics_,
-              .look_soon = [this](const MachineId& machine) { watcher_.LookSoon(machine); },
-              .run_soon = [this](const MachineId& machine) { keeper_.LookSoon(machine); },
-              .run_all_soon = [this] { keeper_.LookAtAllSoon(); }} {
+              .look_soon = [this](const MachineId& machine) { LookSoon(machine, true, false); },
+              .run_soon = [this](const MachineId& machine) { LookSoon(machine, false, true); },
+              .run_all_soon =
+                  [this] {
+                    keeper_.LookAtAllSoon();
+                    if (!database_->IsCaretaker()) database_->TellOthers(std::nullopt);
+                  }} {
     // Monte Carlo of a hundred thousand runs.
     runner_.Register(records::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
     runner_.Register(records::kCompensate, {jobs::CompensateJob(*database_)});
@@ -287,6 +291,7 @@ class Server::Impl {
     if (listener_ != nullptr) StartListening();
     if (http_listener_ != nullptr) StartHttp();
     if (core_.gate.asks()) asker_ = std::thread([this] { AskAgain(); });
+    database_->Follow([this](const storage::News& news) { Hear(news); });
     runner_.Start();
     watcher_.Start();
     keeper_.Start();
@@ -309,6 +314,8 @@ class Server::Impl {
     runner_.Drain(options_.drain);
     watcher_.Stop();
     if (sender_ != nullptr) sender_->Stop();
+    // What one process alone has to do, another one does from now on.
+    database_->StopFollowing();
     while (core_.open_calls > 0 && base::SystemClock().SteadyNow() < deadline) std::this_thread::sleep_for(kLookAgain);
     if (listener_ != nullptr) listener_->Stop();
     if (http_listener_ != nullptr) http_listener_->Stop();
@@ -344,6 +351,21 @@ class Server::Impl {
   base::Mutex shutdown_mutex_;
 
  private:
+  // At the machine, or at its routines, by whoever does that.
+  void LookSoon(const MachineId& machine, bool looks, bool runs) {
+    if (!database_->IsCaretaker()) return database_->TellOthers(machine);
+    if (looks) watcher_.LookSoon(machine);
+    if (runs) keeper_.LookSoon(machine);
+  }
+
+  // What other processes on the same store have done, and this one.
+  void Hear(const storage::News& news) {
+    if (news.jobs) runner_.LookAgain();
+    if (news.events) events_->Tell();
+    if (news.routines) keeper_.LookAtAllSoon();
+    if (news.machine && database_->IsCaretaker()) LookSoon(*news.machine, true, true);
+  }
+
   void StartListening() {
     listener_->Start(
         [this](int listening, int connection) {
@@ -525,9 +547,10 @@ class Server::Impl {
   std::thread asker_;
   Denials denials_;
 
-  static watch::WatcherOptions WatcherOptions() {
+  watch::WatcherOptions WatcherOptions() {
     watch::WatcherOptions watcher;
     watcher.version = AXISCAL_VERSION;
+    watcher.is_mine = [this] { return database_->IsCaretaker(); };
     watcher.tell = [](const MachineId& machine, const absl::Status& status) {
       Log(LogLevel::kWarning, "look_failed",
           {{"machine", machine.text()},
@@ -540,6 +563,7 @@ class Server::Impl {
   webhooks::SenderOptions SenderOptions(const webhooks::PosterOptions& post) {
     webhooks::SenderOptions sender;
     sender.post = post;
+    sender.is_mine = [this] { return database_->IsCaretaker(); };
     sender.count = [metrics = metrics_](const std::string& outcome) { metrics->LetterSent(outcome); };
     sender.tell = [](const records::WebhookRecord& webhook, const std::string& error, bool is_dead) {
       Log(LogLevel::kWarning, "webhook_failed",
@@ -567,8 +591,9 @@ class Server::Impl {
            {"run", absl::StrCat(run.id.number())},
            {"outcome", records::NameOf(run.state)},
            {"text", run.text}});
-      watcher_.LookSoon(run.machine);
+      LookSoon(run.machine, true, false);
     };
+    keeper.is_mine = [this] { return database_->IsCaretaker(); };
     return keeper;
   }
   jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
@@ -580,8 +605,8 @@ class Server::Impl {
       LogJob(event);
       if (event.what != jobs::JobEvent::What::kStarted) metrics_->JobEnded(event.job.kind, event.outcome, event.took);
       const bool has_changed = event.job.machine && event.job.state == records::JobState::kSucceeded;
-      if (has_changed) watcher_.LookSoon(*event.job.machine);
-      if (event.job.machine && records::IsTerminal(event.job.state)) keeper_.LookSoon(*event.job.machine);
+      const bool has_ended = event.job.machine && records::IsTerminal(event.job.state);
+      if (has_ended) LookSoon(*event.job.machine, has_changed, true);
     };
     return runner;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/base/demand.h"
@@ -42,6 +43,7 @@ class JobRunner::Impl {
   absl::StatusOr<JobRecord> Cancel(JobId id, const storage::Caller& caller);
   absl::StatusOr<JobRecord> Requeue(JobId id, const storage::Caller& caller);
   absl::StatusOr<std::shared_ptr<JobWatch>> Watch(JobId id);
+  void LookAgain() { Wake(); }
 
  private:
   struct Running {
@@ -57,11 +59,14 @@ class JobRunner::Impl {
   void Keep();
   base::SteadyTime ClaimAll();
   bool BeginClaim();
+  bool HasWork();
   absl::StatusOr<std::optional<JobRecord>> ClaimOne();
   void EndClaim();
   void Launch(const JobRecord& record);
   void BeatAll();
   void Rescue();
+  // Reads what other processes have done with the jobs that are watched or run here.
+  void LookAtOthers();
 
   // Workers' threads.
   void RunJob(const JobRecord& record, JobContext& context);
@@ -98,6 +103,7 @@ class JobRunner::Impl {
   bool parking_ AXISCAL_GUARDED_BY(mutex_) = false;   // what runs is told to stop
   bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;  // the keeper ends
   base::SteadyTime next_beat_{};                      // keeper's thread
+  std::map<JobId, int64_t> versions_;                 // of jobs that are watched or run here; keeper's thread
   base::Mutex drain_mutex_;                           // one Drain() at a time
   std::unique_ptr<WorkerPool> pool_;
   std::thread keeper_;
@@ -108,6 +114,7 @@ class JobRunner::Impl {
 void JobRunner::Impl::Keep() {
   next_beat_ = options_.clock->SteadyNow() + options_.heartbeat;
   while (true) {
+    if (database_.is_shared()) LookAtOthers();
     base::SteadyTime wake_at = ClaimAll();
     if (const base::SteadyTime now = options_.clock->SteadyNow(); now >= next_beat_) {
       next_beat_ = now + options_.heartbeat;
@@ -115,12 +122,52 @@ void JobRunner::Impl::Keep() {
       Rescue();
     }
     wake_at = std::min(wake_at, next_beat_);
-    const base::MutexLock lock(mutex_);
-    while (!woken_ && !stopping_ && options_.clock->SteadyNow() < wake_at)
-      options_.clock->WaitUntil(changed_, mutex_, wake_at);
-    if (stopping_) return;
-    woken_ = false;
+    bool is_woken = false;
+    while (!is_woken) {
+      base::SteadyTime next = wake_at;
+      if (database_.is_shared()) next = std::min(next, options_.clock->SteadyNow() + kLooksAtOthers);
+      {
+        const base::MutexLock lock(mutex_);
+        while (!woken_ && !stopping_ && options_.clock->SteadyNow() < next)
+          options_.clock->WaitUntil(changed_, mutex_, next);
+        if (stopping_) return;
+        is_woken = std::exchange(woken_, false) || options_.clock->SteadyNow() >= wake_at;
+      }
+      // To claim means to write; to look at others does not.
+      if (!is_woken) LookAtOthers();
+    }
   }
+}
+
+void JobRunner::Impl::LookAtOthers() {
+  std::vector<JobId> jobs = board_.watched();
+  {
+    const base::MutexLock lock(mutex_);
+    for (const auto& [id, running] : running_) jobs.push_back(id);
+  }
+  std::sort(jobs.begin(), jobs.end());
+  jobs.erase(std::unique(jobs.begin(), jobs.end()), jobs.end());
+  if (jobs.empty()) return versions_.clear();
+  const auto present = database_.JobVersions(jobs);
+  if (!present.ok()) return;
+  std::map<JobId, int64_t> versions;
+  for (const auto& [id, version] : *present) {
+    const auto known = versions_.find(id);
+    if (known != versions_.end() && known->second == version) {
+      versions[id] = version;
+      continue;
+    }
+    const absl::StatusOr<JobRecord> record = database_.GetJob(id);
+    if (!record.ok()) continue;
+    versions[id] = version;
+    Publish(*record);
+    const base::MutexLock lock(mutex_);
+    const auto found = running_.find(id);
+    if (found == running_.end() || !record->cancel_requested) continue;
+    if (record->running_attempt == found->second.record.running_attempt)
+      found->second.context->Stop(StopReason::kCancelled);
+  }
+  versions_ = std::move(versions);
 }
 
 // An idle worker is there and nobody drains. Drain() gives the claim that follows time to end, as it does what runs.
@@ -128,6 +175,13 @@ bool JobRunner::Impl::BeginClaim() {
   const base::MutexLock lock(mutex_);
   claiming_ = !draining_ && running_.size() < static_cast<size_t>(options_.workers);
   return claiming_;
+}
+
+// Where others claim, too, most of what wakes this one is theirs already: to look costs less than to write.
+bool JobRunner::Impl::HasWork() {
+  if (!database_.is_shared()) return true;
+  const absl::StatusOr<std::optional<std::chrono::microseconds>> next = database_.NextJobWait();
+  return next.ok() && next->has_value() && (*next)->count() == 0;
 }
 
 void JobRunner::Impl::EndClaim() {
@@ -149,7 +203,7 @@ absl::StatusOr<std::optional<JobRecord>> JobRunner::Impl::ClaimOne() {
 base::SteadyTime JobRunner::Impl::ClaimAll() {
   const base::SteadyTime later = options_.clock->SteadyNow() + options_.heartbeat;
   while (BeginClaim()) {
-    const absl::StatusOr<std::optional<JobRecord>> claimed = ClaimOne();
+    const absl::StatusOr<std::optional<JobRecord>> claimed = HasWork() ? ClaimOne() : std::nullopt;
     EndClaim();
     if (!claimed.ok()) return later;
     if (claimed->has_value()) continue;
@@ -418,6 +472,7 @@ absl::StatusOr<JobRecord> JobRunner::Requeue(JobId id, const storage::Caller& ca
   return impl_->Requeue(id, caller);
 }
 absl::StatusOr<std::shared_ptr<JobWatch>> JobRunner::Watch(JobId id) { return impl_->Watch(id); }
+void JobRunner::LookAgain() { impl_->LookAgain(); }
 void JobRunner::Drain(std::chrono::milliseconds patience) { impl_->Drain(patience); }
 
 }  // namespace axiscal::jobs

@@ -1,5 +1,7 @@
 // Runs the jobs of a database in this process: claims, runs, keeps the lease, stores the outcome, tells watchers.
-// All creating and cancelling goes through here, so that workers and watchers hear of it.
+// All creating and cancelling goes through here, so that workers and watchers hear of it. Where several processes share
+// the database, what they do with a job that is watched or runs here is read there: when LookAgain() says so, and every
+// kLooksAtOthers.
 #ifndef AXISCAL_SERVER_JOBS_JOB_RUNNER_H_
 #define AXISCAL_SERVER_JOBS_JOB_RUNNER_H_
 
@@ -32,6 +34,10 @@ struct JobEvent {
 
 // What became of a job that an attempt has left, as JobEvent::outcome has it.
 std::string OutcomeOf(const records::JobRecord& job);
+
+// How often it is looked what other processes have done, where nobody says that they have: a cancelled job is to end
+// within half a second.
+inline constexpr std::chrono::milliseconds kLooksAtOthers(400);
 
 struct JobRunnerOptions {
   int workers = 2;           // jobs at once, > 0; a job uses one core
@@ -73,6 +79,8 @@ class JobRunner {
   absl::StatusOr<records::JobRecord> Requeue(JobId id, const storage::Caller& caller);
   // NOT_FOUND JOB_NOT_FOUND. The watch outlives the job and, closed, the runner.
   absl::StatusOr<std::shared_ptr<JobWatch>> Watch(JobId id);
+  // Another process has done something with jobs. Never waits.
+  void LookAgain();
 
   // Claims nothing more, lets running jobs go on for `patience`, then tells the rest to stop and puts them back into
   // the queue, their attempt not counted. Returns when no job runs; watches are then closed.

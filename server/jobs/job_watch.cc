@@ -65,6 +65,17 @@ void JobBoard::Publish(const records::JobRecord& record) {
   if (IsTerminal(record.state)) watches_.erase(found);
 }
 
+std::vector<JobId> JobBoard::watched() {
+  std::vector<JobId> jobs;
+  const base::MutexLock lock(mutex_);
+  for (auto& [job, watches] : watches_) {
+    std::erase_if(watches, [](const std::weak_ptr<JobWatch>& gone) { return gone.expired(); });
+    if (!watches.empty()) jobs.push_back(job);
+  }
+  std::erase_if(watches_, [](const auto& of_job) { return of_job.second.empty(); });
+  return jobs;
+}
+
 void JobBoard::Close() {
   const base::MutexLock lock(mutex_);
   closed_ = true;

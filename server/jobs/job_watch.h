@@ -49,6 +49,8 @@ class JobBoard {
   std::shared_ptr<JobWatch> Watch(JobId job);
   void Deliver(JobWatch& watch, const records::JobRecord& record);
   void Publish(const records::JobRecord& record);
+  // The jobs that somebody follows.
+  std::vector<JobId> watched();
   // Ends every watch.
   void Close();
 

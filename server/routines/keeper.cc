@@ -101,7 +101,7 @@ void Keeper::LookAtAllSoon() {
 
 void Keeper::Loop() {
   while (!stopping_) {
-    LookAtAll();
+    if (GoesOn()) LookAtAll();
     const base::SteadyTime next = options_.clock->SteadyNow() + options_.every;
     bool is_all_due = false;
     while (!stopping_ && !is_all_due && options_.clock->SteadyNow() < next) {
@@ -113,7 +113,7 @@ void Keeper::Loop() {
         is_all_due = std::exchange(all_due_, false);
       }
       for (const MachineId& machine : due)
-        if (!stopping_) Look(machine);
+        if (GoesOn()) Look(machine);
     }
   }
 }
@@ -125,7 +125,7 @@ void Keeper::LookAtAll() {
     return;
   }
   for (const MachineId& machine : *machines)
-    if (!stopping_) Look(machine);
+    if (GoesOn()) Look(machine);
 }
 
 void Keeper::Look(const MachineId& machine) {
@@ -139,14 +139,14 @@ void Keeper::Look(const MachineId& machine) {
   if (!routines.ok() || !runs.ok()) return;
   std::set<RoutineId> busy;
   for (const RoutineRun& run : *runs) {
-    if (!records::IsOpen(run.state) || stopping_) continue;
+    if (!records::IsOpen(run.state) || !GoesOn()) continue;
     busy.insert(run.routine_id);
     const auto routine = std::find_if(routines->begin(), routines->end(),
                                       [&](const RoutineRecord& one) { return one.id == run.routine_id; });
     tell(run.routine, Follow(run, routine == routines->end() ? nullptr : &*routine));
   }
   for (const RoutineRecord& routine : *routines) {
-    if (stopping_ || busy.contains(routine.id) || !WhyStopped(&routine, machine).empty()) continue;
+    if (!GoesOn() || busy.contains(routine.id) || !WhyStopped(&routine, machine).empty()) continue;
     tell(routine.content.name, Begin(routine, machine));
   }
 }

@@ -25,6 +25,8 @@ struct KeeperOptions {
   std::function<void(const MachineId& machine, const std::string& routine, const absl::Status& status)> tell;
   // Told of each run that has ended. May be empty.
   std::function<void(const records::RoutineRun& run)> ended;
+  // Where this is false, another process runs routines (Database::IsCaretaker()). Empty: true.
+  std::function<bool()> is_mine;
   // Other than Judge() in tests alone.
   std::function<absl::StatusOr<Judgement>(storage::Database&, const records::CalibrationRecord&)> judge = Judge;
   base::Clock* clock = &base::SystemClock();
@@ -54,6 +56,7 @@ class Keeper {
 
  private:
   void Loop();
+  bool GoesOn() const { return !stopping_ && (!options_.is_mine || options_.is_mine()); }
   // OK when there is nothing more to do now.
   absl::Status Follow(const records::RoutineRun& run, const records::RoutineRecord* routine);
   absl::Status Begin(const records::RoutineRecord& routine, const MachineId& machine);

@@ -64,6 +64,16 @@ class Connection {
   // False after the engine has rolled a transaction back by itself.
   virtual bool in_transaction() const = 0;
   virtual int64_t changed_rows() const = 0;  // by the last INSERT, UPDATE or DELETE
+  // The transaction failed for another's sake (a deadlock): nothing of it stands, and the same again may succeed.
+  virtual bool was_undone() const { return false; }
+
+  // ---- several processes on one store
+  // Whether others may have it open at this moment. Of a file: never.
+  virtual bool has_others() const { return false; }
+  // The store is open and whole: lets others in that wait for this.
+  virtual absl::Status LetOthersIn() { return absl::OkStatus(); }
+  // Tells all processes, once the transaction is committed, what has changed: a word that Engine::Listen() gives.
+  virtual absl::Status Tell(const std::string&) { return absl::OkStatus(); }
 
  protected:
   // How an INSERT asks for the id of its row: so that it gives a row with it, or as it is where last_id() tells it.

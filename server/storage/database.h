@@ -15,6 +15,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -30,6 +31,14 @@ enum class JobEnd {
   kCancelled,  // as asked
   kRetry,      // QUEUED again after `retry_after`; DEAD when the attempts are used up
   kParked,     // QUEUED again and the attempt not counted: the server is shutting down
+};
+
+// What other processes that have the same store may have done since one heard last, and this one, too.
+struct News {
+  bool jobs = false;                      // one was created, claimed, cancelled, has ended ...
+  bool events = false;                    // or a webhook was changed
+  bool routines = false;                  // of all machines
+  std::optional<MachineId> machine = {};  // to be looked at: TellOthers()
 };
 
 class Database {
@@ -127,6 +136,8 @@ class Database {
   // How long from now until a waiting job may be claimed; nothing when none waits.
   virtual absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() = 0;
   virtual absl::StatusOr<JobQueue> CountJobs() = 0;
+  // JobRecord::version of those that are there: whether anything has happened to them.
+  virtual absl::StatusOr<std::vector<std::pair<JobId, int64_t>>> JobVersions(const std::vector<JobId>& ids) = 0;
   // Prolongs the lease and stores the progress. The record tells whether to cancel.
   virtual absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                                  const JobProgress& progress) = 0;
@@ -140,7 +151,8 @@ class Database {
   // FAILED, CANCELLED or DEAD: QUEUED again with all attempts. Others: FAILED_PRECONDITION JOB_NOT_ENDED.
   virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) = 0;
   // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts; QUEUED ones whose deadline is over
-  // are FAILED. What changed. (Jobs of a dead process are rescued on open.)
+  // are FAILED. What changed. (Jobs of a dead process are rescued on open, unless another one has the store, too: then
+  // when their lease is over.)
   virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
 
   // ---- calibrations
@@ -263,6 +275,20 @@ class Database {
   // Whether something can be read now from where it is kept: by a connection of its own, as one that is open may answer
   // for long from what it has in memory. UNAVAILABLE STORE_DOWN, DATA_LOSS STORE_DAMAGED.
   virtual absl::Status TryReadAnew() = 0;
+
+  // ---- several processes on one store: PostgreSQL. A file has one, which is the caretaker and hears of nobody.
+  virtual bool is_shared() const = 0;
+  // From now on takes part in choosing a caretaker, and calls `heard`, on threads of the store's, soon after something
+  // was told: within milliseconds, or, where words were lost, kNewsWithin. Once.
+  virtual void Follow(std::function<void(const News&)> heard) = 0;
+  // Ends that: when it returns no call is under way, and another process becomes the caretaker. Repeating is harmless.
+  virtual void StopFollowing() = 0;
+  // Whether this process is the one that does what one alone has to do: look at machines, run routines, send webhooks.
+  // Each such step is sound in the store where two believe it for a moment.
+  virtual bool IsCaretaker() = 0;
+  // Has all processes hear of a machine that must be looked at; without one: of all routines. Never waits for the
+  // store.
+  virtual void TellOthers(const std::optional<MachineId>& machine) = 0;
 
   // Schema version of the file, for GetServerInfo.
   virtual int schema_version() const = 0;

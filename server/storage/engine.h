@@ -2,6 +2,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_ENGINE_H_
 #define AXISCAL_SERVER_STORAGE_ENGINE_H_
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,6 +11,14 @@
 #include "server/storage/records.h"
 
 namespace axiscal::storage {
+
+// While it lives, what other processes tell is heard (Engine::Listen()).
+class Listener {
+ public:
+  virtual ~Listener() = default;
+};
+// A word that was missed is made up for within so long.
+inline constexpr std::chrono::seconds kNewsWithin(5);
 
 // Safe from any thread, but Between(). Outlives all connections.
 class Engine {
@@ -27,6 +36,12 @@ class Engine {
   // Database::Backup().
   virtual absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) = 0;
   virtual int schema_version() const = 0;
+
+  // Whether several processes may have the store open.
+  virtual bool is_shared() const { return false; }
+  // Calls `heard`, on a thread of its own, with each word that any process has told (Connection::Tell()), and with ""
+  // where some may have been missed, at least every kNewsWithin. Only where the store is shared.
+  virtual std::unique_ptr<Listener> Listen(std::function<void(const std::string&)>) { return nullptr; }
 };
 
 }  // namespace axiscal::storage

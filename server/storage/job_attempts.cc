@@ -13,7 +13,7 @@ namespace axiscal::storage {
 namespace {
 
 int64_t LeaseEndUs(const JobOwner& owner, std::chrono::microseconds lease) {
-  return owner.steady_now_us + lease.count();
+  return owner.lease_now_us + lease.count();
 }
 
 // ABORTED LEASE_LOST unless the claim is the present one.
@@ -254,6 +254,21 @@ absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection&
   return std::chrono::microseconds(std::max<int64_t>(row.Int(0) - now.up_us, 0));
 }
 
+absl::StatusOr<std::vector<std::pair<JobId, int64_t>>> JobVersions(Connection& connection,
+                                                                   const std::vector<JobId>& ids) {
+  std::vector<int64_t> numbers;
+  for (const JobId id : ids) numbers.push_back(id.number());
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT id, version FROM job WHERE id IN (SELECT value FROM json_each(?1))", JsonOf(numbers)));
+  std::vector<std::pair<JobId, int64_t>> versions;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return versions;
+    versions.emplace_back(JobId(row.Int(0)), row.Int(1));
+  }
+}
+
 absl::StatusOr<JobQueue> CountJobs(Connection& connection) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT (SELECT count(*) FROM job WHERE state = 1), "
                                                  "(SELECT count(*) FROM job WHERE state = 2), "
@@ -306,9 +321,12 @@ absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const 
   {
     ASSIGN_OR_RETURN(
         Statement row,
-        connection.Ask("SELECT id FROM job WHERE state = 2 AND (owner <> ?1 OR lease_until_steady_us < ?2) "
-                       "ORDER BY id",
-                       owner.id, owner.steady_now_us));
+        owner.is_alone
+            ? connection.Ask("SELECT id FROM job WHERE state = 2 AND (owner <> ?1 OR lease_until_steady_us < "
+                             "?2) ORDER BY id",
+                             owner.id, owner.lease_now_us)
+            : connection.Ask("SELECT id FROM job WHERE state = 2 AND lease_until_steady_us < ?1 ORDER BY id",
+                             owner.lease_now_us));
     while (true) {
       ASSIGN_OR_RETURN(const bool more, row.Step());
       if (!more) break;

@@ -1,11 +1,12 @@
 // Rows of `job`, `job_attempt`, `job_program`. What each function returns: database.h.
-// A lease runs on the steady clock of the process that owns the database, and a wait on the time that a server is up
-// (up_time.h): a wall clock that jumps takes no job away and holds none back.
+// A lease runs on the steady clock of the process that owns the database, or, where several share it, on the time that
+// a server is up (up_time.h), as a wait does: a wall clock that jumps takes no job away and holds none back.
 #ifndef AXISCAL_SERVER_STORAGE_JOBS_H_
 #define AXISCAL_SERVER_STORAGE_JOBS_H_
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/storage/connection.h"
@@ -15,9 +16,10 @@ namespace axiscal::storage {
 
 // Who runs jobs, and when it is.
 struct JobOwner {
-  std::string id;  // new for every opening of the file: jobs of another owner belong to a dead process
+  std::string id;  // new for every opening of the store
   Moment now;
-  int64_t steady_now_us = 0;
+  int64_t lease_now_us = 0;  // on the clock of leases
+  bool is_alone = true;      // jobs of another owner belong to a dead process
 };
 
 absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, const JobRoom& room);
@@ -38,6 +40,9 @@ absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, 
 absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
                                                   std::chrono::microseconds lease);
 absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection& connection, const Moment& now);
+// Of those that are there.
+absl::StatusOr<std::vector<std::pair<JobId, int64_t>>> JobVersions(Connection& connection,
+                                                                   const std::vector<JobId>& ids);
 absl::StatusOr<JobQueue> CountJobs(Connection& connection);
 absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
                                        std::chrono::microseconds lease, const JobProgress& progress);

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "core/base/error_detail.h"
@@ -25,8 +28,17 @@ namespace {
 
 // Numbers of types: catalog/pg_type.dat of PostgreSQL, which never change.
 constexpr Oid kBool = 16, kBytea = 17, kInt8 = 20, kInt4 = 23, kText = 25, kUnknown = 705, kFloat8 = 701;
-// "Axis": who has the store of a database open.
-constexpr int64_t kStoreLock = 0x41786973;
+// "Axis": who has the store of a database open, for the time of the connection. "Axiw": who writes, for the time of a
+// transaction.
+constexpr int64_t kStoreLock = 0x41786973, kWriteLock = 0x41786977;
+// Whoever starts looks for so long whether he is the only one: a process that was killed is gone for the server a
+// moment later. And he waits so long for one that keeps him off: on a machine with much to do a new schema takes ten
+// seconds.
+constexpr std::chrono::milliseconds kAloneWithin(500), kLooksAgain(20);
+constexpr char kStoreWait[] = "30s";
+// A lock of anything else. And how long a transaction waits for those that write before it: 32 of a process at a time
+// take milliseconds; one of a process that stands still is ended after kIdleWriter.
+constexpr char kLockWait[] = "2s", kWriteWait[] = "20s", kIdleWriter[] = "10s";
 
 std::string Message(const char* text) { return std::string(absl::StripTrailingAsciiWhitespace(text)); }
 
@@ -53,6 +65,21 @@ int64_t SignedNumber(const char* bytes, int size) {
 }
 
 }  // namespace
+
+pg_conn* ConnectToPostgres(const std::string& url) {
+  // What stands before `dbname` the URL may say otherwise.
+  const char* const keys[] = {"connect_timeout",
+                              "fallback_application_name",
+                              "keepalives_idle",
+                              "keepalives_interval",
+                              "keepalives_count",
+                              "tcp_user_timeout",
+                              "dbname",
+                              "client_encoding",
+                              nullptr};
+  const char* const values[] = {"10", "axiscald", "10", "5", "3", "20000", url.c_str(), "UTF8", nullptr};
+  return PQconnectdbParams(keys, values, 1);
+}
 
 // A parameter as it is sent.
 struct PostgresParameter {
@@ -146,7 +173,8 @@ class PostgresConnection::Statements final : public Prepared {
     }
     PostgresResult result(PQexecPrepared(server, name_.c_str(), static_cast<int>(values.size()), values.data(),
                                          sizes.data(), formats.data(), 1));
-    RETURN_IF_ERROR(StatusOf(server, result.get(), sql_.text));
+    RETURN_IF_ERROR(connection_.Noted(PQresultErrorField(result.get(), PG_DIAG_SQLSTATE),
+                                      StatusOf(server, result.get(), sql_.text)));
     for (int i = 0; i < PQnfields(result.get()); ++i) {
       const Oid type = PQftype(result.get(), i);
       if (type != kBool && type != kBytea && type != kInt8 && type != kInt4 && type != kText && type != kUnknown &&
@@ -172,13 +200,10 @@ class PostgresConnection::Statements final : public Prepared {
   int row_ = 0;
 };
 
-absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::Open(const std::string& url, Access access) {
-  // What stands before `dbname` the URL may say otherwise.
-  const char* const keys[] = {"connect_timeout", "fallback_application_name", "dbname", "client_encoding", nullptr};
-  const char* const values[] = {"10", "axiscald", url.c_str(), "UTF8", nullptr};
-  std::unique_ptr<PostgresConnection> connection(
-      new PostgresConnection(url, access, PQconnectdbParams(keys, values, 1)));
-  RETURN_IF_ERROR(connection->Settle());
+absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::Open(const std::string& url, Access access,
+                                                                             Hold hold) {
+  std::unique_ptr<PostgresConnection> connection(new PostgresConnection(access, hold, ConnectToPostgres(url)));
+  RETURN_IF_ERROR(connection->Settle(true));
   return connection;
 }
 
@@ -191,29 +216,80 @@ PostgresConnection::~PostgresConnection() {
 }
 
 // After connecting.
-absl::Status PostgresConnection::Settle() {
+absl::Status PostgresConnection::Settle(bool is_first) {
   if (connection_ == nullptr) return PostgresError("", "out of memory", "connect");
   if (PQstatus(connection_) != CONNECTION_OK) return PostgresError("", Message(PQerrorMessage(connection_)), "connect");
   // Notices go to stderr else.
   PQsetNoticeProcessor(
       connection_, [](void*, const char*) {}, nullptr);
-  RETURN_IF_ERROR(Execute("SET lock_timeout = '2s'"));
+  RETURN_IF_ERROR(Execute(absl::StrCat("SET lock_timeout = '", kLockWait, "'")));
   if (access_ == Access::kReadOnly) return Execute("SET default_transaction_read_only = on");
   RETURN_IF_ERROR(
       Execute("SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = "
               "'off'"));
-  // A process that has just ended may have it still for a moment.
-  ASSIGN_OR_RETURN(Statement row, Ask("SELECT pg_advisory_lock(?1) IS NULL", kStoreLock));
-  const absl::Status taken = row.Step().status();
-  if (base::ErrorReason(taken) != "STORE_BUSY") return taken;
-  return base::Error(absl::StatusCode::kUnavailable,
-                     absl::StrCat("database ", PQdb(connection_), " is held by another process"), {"STORE_LOCKED", {}});
+  // Of a process that stands still, or whose machine is gone, nobody waits for what it has begun.
+  RETURN_IF_ERROR(Execute(absl::StrCat("SET idle_in_transaction_session_timeout = '", kIdleWriter,
+                                       "'; SET tcp_keepalives_idle = 10; SET tcp_keepalives_interval = 5; SET "
+                                       "tcp_keepalives_count = 3")));
+  return TakeStore(is_first);
+}
+
+absl::StatusOr<bool> PostgresConnection::AskLock(const std::string& function) {
+  // What takes a lock and waits for it gives nothing.
+  const bool waits = !absl::StrContains(function, "try") && !absl::StrContains(function, "unlock");
+  ASSIGN_OR_RETURN(Statement row,
+                   Ask(absl::StrCat("SELECT ", function, "(?1)", waits ? " IS NOT NULL" : ""), kStoreLock));
+  RETURN_IF_ERROR(row.Step().status());
+  return row.Bool(0);
+}
+
+absl::Status PostgresConnection::TakeStore(bool is_first) {
+  is_alone_ = false;
+  if (hold_ == Hold::kShared && is_first) {
+    const auto until = std::chrono::steady_clock::now() + kAloneWithin;
+    while (true) {
+      ASSIGN_OR_RETURN(is_alone_, AskLock("pg_try_advisory_lock"));
+      if (is_alone_) return absl::OkStatus();
+      if (std::chrono::steady_clock::now() >= until) break;
+      std::this_thread::sleep_for(kLooksAgain);
+    }
+  }
+  if (hold_ == Hold::kShared) RETURN_IF_ERROR(Execute(absl::StrCat("SET lock_timeout = '", kStoreWait, "'")));
+  const absl::Status taken = AskLock(hold_ == Hold::kAlone ? "pg_advisory_lock" : "pg_advisory_lock_shared").status();
+  if (base::ErrorReason(taken) == "STORE_BUSY") {
+    return base::Error(absl::StatusCode::kUnavailable,
+                       absl::StrCat("database ", PQdb(connection_), " is held by another process"),
+                       {"STORE_LOCKED", {}});
+  }
+  RETURN_IF_ERROR(taken);
+  return Execute(absl::StrCat("SET lock_timeout = '", kLockWait, "'"));
+}
+
+absl::Status PostgresConnection::LetOthersIn() {
+  if (!is_alone_) return absl::OkStatus();
+  // One connection may have both; there is no moment with neither.
+  RETURN_IF_ERROR(AskLock("pg_advisory_lock_shared").status());
+  RETURN_IF_ERROR(AskLock("pg_advisory_unlock").status());
+  is_alone_ = false;
+  return absl::OkStatus();
+}
+
+absl::Status PostgresConnection::Tell(const std::string& what) {
+  ASSIGN_OR_RETURN(Statement row, Ask("SELECT pg_notify(?1, ?2) IS NULL", std::string(kNewsChannel), what));
+  return row.Step().status();
+}
+
+absl::Status PostgresConnection::Noted(const char* sqlstate, absl::Status status) {
+  // Class 40: serialization failure, deadlock. 40003: it is not known what became of it.
+  if (sqlstate != nullptr && absl::StartsWith(sqlstate, "40") && !absl::StartsWith(sqlstate, "40003"))
+    was_undone_ = true;
+  return status;
 }
 
 absl::Status PostgresConnection::Reconnect() {
   PQreset(connection_);
   ++connections_;
-  return Settle();
+  return Settle(false);
 }
 
 absl::StatusOr<std::unique_ptr<Prepared>> PostgresConnection::Compile(const std::string& sql) {
@@ -228,18 +304,27 @@ absl::StatusOr<bool> PostgresConnection::HasTable(const std::string& name) {
 
 absl::Status PostgresConnection::Execute(const std::string& script) {
   const PostgresResult result(PQexec(connection_, script.c_str()));
-  return StatusOf(connection_, result.get(), script);
+  return Noted(PQresultErrorField(result.get(), PG_DIAG_SQLSTATE), StatusOf(connection_, result.get(), script));
 }
 
 absl::Status PostgresConnection::Begin(Access access) {
-  const std::string sql = access == Access::kWrite ? "BEGIN" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
-  if (PQstatus(connection_) == CONNECTION_OK) {
-    const absl::Status begun = Execute(sql);
-    // A server that went away shows only now. Nothing has been done yet.
-    if (begun.ok() || PQstatus(connection_) == CONNECTION_OK) return begun;
+  was_undone_ = false;
+  // Each statement behind the lock sees all that was committed before it: the writers of all processes are as serial as
+  // those of one, and what they number is seen in the order of its numbers.
+  const std::string write = hold_ == Hold::kAlone ? "BEGIN"
+                                                  : absl::StrCat("BEGIN; SET LOCAL lock_timeout = '", kWriteWait,
+                                                                 "'; SELECT pg_advisory_xact_lock(", kWriteLock,
+                                                                 "); SET LOCAL lock_timeout = '", kLockWait, "'");
+  const std::string sql = access == Access::kWrite ? write : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
+  absl::Status begun = absl::OkStatus();
+  if (PQstatus(connection_) == CONNECTION_OK) begun = Execute(sql);
+  // A server that went away shows only now. Nothing has been done yet.
+  if (PQstatus(connection_) != CONNECTION_OK) {
+    RETURN_IF_ERROR(Reconnect());
+    begun = Execute(sql);
   }
-  RETURN_IF_ERROR(Reconnect());
-  return Execute(sql);
+  if (!begun.ok() && in_transaction()) Execute("ROLLBACK").IgnoreError();
+  return begun;
 }
 
 bool PostgresConnection::in_transaction() const {

@@ -17,12 +17,26 @@ struct pg_conn;
 
 namespace axiscal::storage {
 
+// Where processes tell each other what has changed (LISTEN, NOTIFY).
+inline constexpr char kNewsChannel[] = "axiscal";
+
+// A new connection, as PQconnectdb() gives it. A server that does not answer is noticed within half a minute.
+pg_conn* ConnectToPostgres(const std::string& url);
+
+// What a connection that writes wants of the store, by advisory locks of the database.
+enum class Hold {
+  kAlone,   // nobody else has it for as long as this one lives
+  kShared,  // others of this kind have it, too; each transaction that writes waits until those of all others are over
+};
+
 class PostgresConnection final : public Connection {
  public:
   // `url`: what libpq takes, "postgresql://user@host:port/database?..." or "host=... dbname=...".
-  //   kWrite: commits wait for the disk whatever the server's default says, and the store is this connection's alone:
-  //   UNAVAILABLE STORE_LOCKED where another has it.
-  static absl::StatusOr<std::unique_ptr<PostgresConnection>> Open(const std::string& url, Access access);
+  //   kWrite: commits wait for the disk whatever the server's default says, and the store is held (`hold`): UNAVAILABLE
+  //   STORE_LOCKED where it is not to be had. Whoever shares it and finds nobody else there keeps others off until
+  //   LetOthersIn().
+  static absl::StatusOr<std::unique_ptr<PostgresConnection>> Open(const std::string& url, Access access,
+                                                                  Hold hold = Hold::kAlone);
   ~PostgresConnection() override;
 
   absl::StatusOr<bool> HasTable(const std::string& name) override;
@@ -31,22 +45,34 @@ class PostgresConnection final : public Connection {
   absl::Status Begin(Access access) override;
   bool in_transaction() const override;
   int64_t changed_rows() const override { return changed_rows_; }
+  bool was_undone() const override { return was_undone_; }
+  bool has_others() const override { return hold_ == Hold::kShared && !is_alone_; }
+  absl::Status LetOthersIn() override;
+  absl::Status Tell(const std::string& what) override;
 
  private:
   class Statements;
 
-  PostgresConnection(std::string url, Access access, pg_conn* connection)
-      : url_(std::move(url)), access_(access), connection_(connection) {}
+  PostgresConnection(Access access, Hold hold, pg_conn* connection)
+      : access_(access), hold_(hold), connection_(connection) {}
   std::string AskingForId(const std::string& sql) const override { return sql + " RETURNING id"; }
   std::optional<int64_t> last_id() const override { return std::nullopt; }
   absl::StatusOr<std::unique_ptr<Prepared>> Compile(const std::string& sql) override;
-  absl::Status Settle();
+  absl::Status Settle(bool is_first);
   absl::Status Reconnect();
+  // UNAVAILABLE STORE_LOCKED.
+  absl::Status TakeStore(bool is_first);
+  // Asks a function that takes or leaves an advisory lock ("pg_try_advisory_lock") for the store: what it says.
+  absl::StatusOr<bool> AskLock(const std::string& function);
+  // As StatusOf(), and remembers whether it was for another's sake.
+  absl::Status Noted(const char* sqlstate, absl::Status status);
 
-  const std::string url_;
   const Access access_;
+  const Hold hold_;
   pg_conn* const connection_;
   int64_t changed_rows_ = 0;
+  bool was_undone_ = false;
+  bool is_alone_ = false;  // shares the store, but keeps others off still
   // What has a name on the server: a new connection knows none of them.
   int64_t connections_ = 1, statements_ = 0;
 };

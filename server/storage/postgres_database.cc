@@ -4,6 +4,7 @@
 
 #include "server/storage/copy_store.h"
 #include "server/storage/postgres_connection.h"
+#include "server/storage/postgres_listener.h"
 #include "server/storage/postgres_migrate.h"
 #include "server/storage/postgres_url.h"
 #include "server/storage/refusal.h"
@@ -27,6 +28,10 @@ class PostgresEngine final : public Engine {
                               "STORE_HAS_OTHER_BACKUPS");
   }
   int schema_version() const override { return PostgresMigrations().back().version; }
+  bool is_shared() const override { return true; }
+  std::unique_ptr<Listener> Listen(std::function<void(const std::string&)> heard) override {
+    return std::make_unique<PostgresListener>(url_, std::move(heard));
+  }
 
  private:
   const std::string url_;
@@ -37,7 +42,7 @@ class PostgresEngine final : public Engine {
 absl::StatusOr<std::unique_ptr<Database>> OpenPostgres(const PostgresOptions& options) {
   const auto open = [&]() -> absl::StatusOr<std::unique_ptr<Database>> {
     ASSIGN_OR_RETURN(std::unique_ptr<PostgresConnection> connection,
-                     PostgresConnection::Open(options.url, Access::kWrite));
+                     PostgresConnection::Open(options.url, Access::kWrite, Hold::kShared));
     RETURN_IF_ERROR(MigratePostgres(*connection, PostgresMigrations(), options.clock->UtcNow()));
     RETURN_IF_ERROR(RefuseUnfinishedCopy(*connection));
     return SqlStore::Open({options.rescued, options.damaged, options.clock},

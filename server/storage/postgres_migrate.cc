@@ -37,6 +37,9 @@ absl::StatusOr<int64_t> PresentVersion(Connection& connection) {
 
 absl::Status ApplyToServer(Connection& connection, const Migration& migration, base::UtcTime now) {
   ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(connection));
+  // Another process may have been faster: where several share the store, one writes at a time.
+  ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
+  if (version >= migration.version) return absl::OkStatus();
   RETURN_IF_ERROR(connection.Execute(migration.sql));
   RETURN_IF_ERROR(NoteMigration(connection, migration, now));
   return transaction.Commit();

@@ -9,8 +9,8 @@
 
 namespace axiscal::storage {
 
-// Applies what is missing, all of it where the schema is empty. `connection` writes, so that the store is its own. On
-// failure the database stays at the last migration that succeeded.
+// Applies what is missing, all of it where the schema is empty. `connection` writes; of several that share the store
+// one applies it, the others wait. On failure the database stays at the last migration that succeeded.
 //   FAILED_PRECONDITION NOT_A_DATABASE: the schema holds something else, or texts are not kept as UTF-8; SCHEMA_NEWER,
 //   SCHEMA_CHANGED as CheckMigrations().
 absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now);

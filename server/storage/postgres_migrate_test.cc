@@ -98,14 +98,9 @@ TEST_F(PostgresMigrate, OneThatFailsLeavesTheOnesBefore) {
   EXPECT_EQ(RefusalOf(PostgresMigrations()), "");
 }
 
-TEST(PostgresStore, IsHeldByOneProcessAtATime) {
+TEST(PostgresStore, IsNotThere) {
   if (TestServer::present == nullptr) GTEST_SKIP() << "needs storage_test --store=postgresql";
-  TempDatabase database;
   PostgresOptions options;
-  options.url = database.url();
-  EXPECT_EQ(base::ErrorReason(OpenPostgres(options).status()), "STORE_LOCKED");
-  database.Close();
-  EXPECT_TRUE(OpenPostgres(options).ok());
   options.url = "host=/nowhere dbname=none";
   EXPECT_EQ(base::ErrorReason(OpenPostgres(options).status()), "STORE_DOWN");
 }

@@ -52,6 +52,32 @@ absl::StatusOr<std::vector<RoutineRun>> ReadRuns(Connection& connection, Stateme
   }
 }
 
+// ABORTED ETAG_MISMATCH where the newest run of the routine on the machine still goes on, or has had these sessions:
+// another process was faster.
+absl::Status CheckNotBegun(Connection& connection, const RoutineRecord& routine, int64_t machine_key,
+                           const std::vector<SessionId>& sessions) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT id, state FROM routine_run WHERE routine_id = ?1 AND machine_id = ?2 ORDER BY "
+                     "id DESC LIMIT 1",
+                     routine.id, machine_key));
+  ASSIGN_OR_RETURN(const bool has_run, row.Step());
+  if (!has_run) return absl::OkStatus();
+  const int64_t run = row.Int(0);
+  bool is_begun = records::IsOpen(row.As<RunState>(1));
+  for (const SessionId session : sessions) {
+    ASSIGN_OR_RETURN(
+        Statement had,
+        connection.Ask("SELECT 1 FROM routine_run_session WHERE run_id = ?1 AND session_id = ?2", run, session));
+    ASSIGN_OR_RETURN(const bool is_had, had.Step());
+    is_begun = is_begun || is_had;
+  }
+  if (!is_begun) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kAborted,
+                     absl::StrCat("routine ", routine.content.name, " has begun a run on these sessions meanwhile"),
+                     {"ETAG_MISMATCH", {{"run", std::to_string(run)}}});
+}
+
 absl::StatusOr<RoutineRun> GetRun(Connection& connection, RunId id) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelectRun) + "WHERE u.id = ?1", id));
   ASSIGN_OR_RETURN(std::vector<RoutineRun> runs, ReadRuns(connection, std::move(row)));
@@ -101,6 +127,7 @@ absl::StatusOr<RoutineRun> BeginRun(Connection& connection, UtcTime now, const R
   ASSIGN_OR_RETURN(const RoutineRecord present, GetRoutine(connection, routine.content.name));
   RETURN_IF_ERROR(CheckEtag("routine " + routine.content.name, routine.etag, present.etag));
   ASSIGN_OR_RETURN(const int64_t key, LiveMachineKey(connection, machine));
+  RETURN_IF_ERROR(CheckNotBegun(connection, routine, key, sessions));
   ASSIGN_OR_RETURN(const int64_t number,
                    connection.Insert("INSERT INTO routine_run (routine_id, routine_etag, machine_id, principal, state, "
                                      "text, began_at_utc_us) VALUES "

@@ -9,6 +9,14 @@
 #include "server/storage/seal.h"
 
 namespace axiscal::storage {
+namespace {
+
+// Of several processes the caretaker says so often that it is still there; silent for the lease, another one takes its
+// place. It goes by a shorter time itself: the clocks of two processes go together to within a beat or two.
+constexpr std::chrono::microseconds kCaretakerLease = std::chrono::seconds(15);
+constexpr std::chrono::seconds kCaretakerBeat(2), kCaretakerSure(10);
+
+}  // namespace
 
 std::string SqlStore::MakeOwnerId() {
   std::random_device random;
@@ -22,7 +30,99 @@ absl::StatusOr<std::unique_ptr<Database>> SqlStore::Open(const StoreOptions& opt
   std::unique_ptr<SqlStore> store(new SqlStore(options, up, std::move(engine), std::move(connection)));
   ASSIGN_OR_RETURN(const std::vector<JobRecord> rescued, store->RescueJobs());
   if (options.rescued) std::for_each(rescued.begin(), rescued.end(), options.rescued);
+  RETURN_IF_ERROR(store->writer_.Run([](Connection& c) { return c.LetOthersIn(); }));
   return store;
+}
+
+absl::Status SqlStore::FallInStep(Connection& connection) {
+  const std::chrono::microseconds up = UpTime();
+  ASSIGN_OR_RETURN(const std::chrono::microseconds furthest, KeepUpTime(connection, up));
+  if (furthest > up) up_of_others_us_ += (furthest - up).count();
+  return absl::OkStatus();
+}
+
+// A lease on the time that all processes count together: one that stands still loses it. It stands beside the numbers
+// that are given without gaps, as those of the process and of the moment.
+absl::Status SqlStore::KeepRole(Connection& connection, bool leaves) {
+  RETURN_IF_ERROR(FallInStep(connection));
+  const base::SteadyTime began = options_.clock->SteadyNow();
+  const int64_t now_us = UpTime().count(), until_us = leaves ? 0 : now_us + kCaretakerLease.count();
+  // 60 bits of a number that is new for every opening.
+  const int64_t self = std::stoll(owner_id_.substr(0, 15), nullptr, 16);
+  bool is_self = false, is_taken = false;
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT c.seq, u.seq FROM given_number AS c JOIN given_number AS u ON "
+                                    "u.name = 'caretaker_until_up_us' WHERE c.name = 'caretaker'"));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    is_self = found && row.Int(0) == self;
+    is_taken = found && row.Int(1) > now_us;
+  }
+  if ((is_taken || leaves) && !is_self) {
+    caretaker_until_ = base::SteadyTime{};
+    return absl::OkStatus();
+  }
+  for (const auto& [name, number] : {std::pair("caretaker", self), {"caretaker_until_up_us", until_us}}) {
+    RETURN_IF_ERROR(
+        connection.Run("INSERT INTO given_number (name, seq) VALUES (?1, ?2) ON CONFLICT (name) DO UPDATE "
+                       "SET seq = excluded.seq",
+                       std::string(name), number));
+  }
+  caretaker_until_ = leaves ? base::SteadyTime{} : began + kCaretakerSure;
+  return absl::OkStatus();
+}
+
+void SqlStore::Beat() {
+  // What fails is tried again; meanwhile the role runs out.
+  static_cast<void>(writer_.Run([this](Connection& c) { return KeepRole(c, false); }));
+}
+
+void SqlStore::Follow(std::function<void(const News&)> heard) {
+  if (!engine_->is_shared()) return;
+  {
+    const base::MutexLock lock(follow_mutex_);
+    if (follows_) return;
+    follows_ = true;
+  }
+  Beat();
+  beats_ = std::thread([this] {
+    const base::MutexLock lock(follow_mutex_);
+    while (follows_) {
+      stop_following_.WaitUntil(follow_mutex_, std::chrono::steady_clock::now() + kCaretakerBeat);
+      if (!follows_) return;
+      follow_mutex_.Unlock();
+      Beat();
+      follow_mutex_.Lock();
+    }
+  });
+  listener_ = engine_->Listen([heard = std::move(heard)](const std::string& word) {
+    News news;
+    news.jobs = word.empty() || word == kJobsChanged;
+    news.events = word.empty() || word == kEventsChanged;
+    news.routines = word == kRoutinesChanged;
+    if (word.rfind(kLookAt, 0) == 0) news.machine = MachineId(word.substr(sizeof(kLookAt) - 1));
+    heard(news);
+  });
+}
+
+void SqlStore::StopFollowing() {
+  {
+    const base::MutexLock lock(follow_mutex_);
+    if (!follows_) return;
+    follows_ = false;
+    stop_following_.NotifyAll();
+  }
+  listener_.reset();
+  beats_.join();
+  static_cast<void>(writer_.Run([this](Connection& c) { return KeepRole(c, true); }));
+}
+
+bool SqlStore::IsCaretaker() { return !engine_->is_shared() || options_.clock->SteadyNow() < caretaker_until_.load(); }
+
+void SqlStore::TellOthers(const std::optional<MachineId>& machine) {
+  if (!engine_->is_shared()) return;
+  const std::string word = machine ? kLookAt + machine->text() : kRoutinesChanged;
+  writer_.Start([word](Connection& c) { return c.Tell(word); }, [](const absl::Status&) {});
 }
 
 absl::Status SqlStore::CheckWhole(const SessionRecord& session) {
@@ -90,7 +190,7 @@ void SqlStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
   auto result = std::make_shared<AppendResult>();
   writer_.Start(
       [this, id, encoded, result](Connection& connection) {
-        if (!encoded->ok()) return std::move(*encoded).status();
+        if (!encoded->ok()) return Separate(encoded->status());
         absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Present(), id, **encoded);
         if (!appended.ok()) return std::move(appended).status();
         *result = *appended;

@@ -3,10 +3,12 @@
 #ifndef AXISCAL_SERVER_STORAGE_SQL_STORE_H_
 #define AXISCAL_SERVER_STORAGE_SQL_STORE_H_
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <unordered_map>
 #include <vector>
 
@@ -54,6 +56,7 @@ class SqlStore final : public Database {
   static absl::StatusOr<std::unique_ptr<Database>> Open(const StoreOptions& options, std::unique_ptr<Engine> engine,
                                                         std::unique_ptr<Connection> connection);
   ~SqlStore() override {
+    StopFollowing();
     // What fails here is lost as after a crash: a little of the time that is counted.
     static_cast<void>(writer_.Run([&](Connection& c) { return SaveUpTime(c, UpTime()); }));
   }
@@ -127,7 +130,9 @@ class SqlStore final : public Database {
 
   // ---- jobs
   absl::StatusOr<JobRecord> CreateJob(const NewJob& job, const JobRoom& room) override {
-    return Write<JobRecord>(Growth::kGrows, [&](Connection& c) { return storage::CreateJob(c, Present(), job, room); });
+    return Write<JobRecord>(Growth::kGrows, [&](Connection& c) {
+      return Told(c, kJobsChanged, storage::CreateJob(c, Present(), job, room));
+    });
   }
   absl::StatusOr<JobRecord> GetJob(JobId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetJob(c, id); });
@@ -138,38 +143,55 @@ class SqlStore final : public Database {
   }
   absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override {
     return Write<std::optional<JobRecord>>(Growth::kStays,
-                                           [&](Connection& c) { return storage::ClaimJob(c, Owner(), lease); });
+                                           [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
+                                             auto job = storage::ClaimJob(c, Owner(c), lease);
+                                             if (!job.ok() || !job->has_value()) return job;
+                                             return Told(c, kJobsChanged, std::move(job));
+                                           });
   }
   absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
     return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
+  }
+  absl::StatusOr<std::vector<std::pair<JobId, int64_t>>> JobVersions(const std::vector<JobId>& ids) override {
+    return readers_.Run([&](Connection& c) { return storage::JobVersions(c, ids); });
   }
   absl::StatusOr<JobQueue> CountJobs() override {
     return readers_.Run([](Connection& c) { return storage::CountJobs(c); });
   }
   absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                          const JobProgress& progress) override {
-    return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::HeartbeatJob(c, Owner(), claim, lease, progress); });
+    return Write<JobRecord>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kJobsChanged, storage::HeartbeatJob(c, Owner(c), claim, lease, progress));
+    });
   }
   absl::StatusOr<JobRecord> SucceedJob(const JobClaim& claim, const JobProduct& product) override {
-    return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::SucceedJob(c, Owner(), claim, product); });
+    return Write<JobRecord>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kJobsChanged, storage::SucceedJob(c, Owner(c), claim, product));
+    });
   }
   absl::StatusOr<JobRecord> EndJob(const JobClaim& claim, JobEnd end, const JobError& error,
                                    std::chrono::microseconds retry_after) override {
-    return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::EndJob(c, Owner(), claim, end, error, retry_after); });
+    return Write<JobRecord>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kJobsChanged, storage::EndJob(c, Owner(c), claim, end, error, retry_after));
+    });
   }
   absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) override {
-    return Write<JobRecord>(Growth::kStays, [&](Connection& c) { return storage::CancelJob(c, Now(), id, caller); });
+    return Write<JobRecord>(
+        Growth::kStays, [&](Connection& c) { return Told(c, kJobsChanged, storage::CancelJob(c, Now(), id, caller)); });
   }
   absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) override {
-    return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::RequeueJob(c, Present(), id, room, caller); });
+    return Write<JobRecord>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kJobsChanged, storage::RequeueJob(c, Present(), id, room, caller));
+    });
   }
   absl::StatusOr<std::vector<JobRecord>> RescueJobs() override {
-    return Write<std::vector<JobRecord>>(Growth::kStays,
-                                         [&](Connection& c) { return storage::RescueJobs(c, Owner()); });
+    return Write<std::vector<JobRecord>>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<std::vector<JobRecord>> {
+      // By the time of all processes.
+      if (engine_->is_shared()) RETURN_IF_ERROR(FallInStep(c));
+      auto rescued = storage::RescueJobs(c, Owner(c));
+      if (!rescued.ok() || rescued->empty()) return rescued;
+      return Told(c, kJobsChanged, std::move(rescued));
+    });
   }
 
   // ---- calibrations
@@ -208,11 +230,11 @@ class SqlStore final : public Database {
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) override {
-    return readers_.Run([&](Connection& c) { return storage::QueryDrift(c, query, Told()); });
+    return readers_.Run([&](Connection& c) { return storage::QueryDrift(c, query, ToldOnce()); });
   }
   absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page,
                                              const Visible& visible) override {
-    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page, visible, Told()); });
+    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page, visible, ToldOnce()); });
   }
 
   // ---- programs
@@ -344,23 +366,30 @@ class SqlStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::StandingEvents(c, machine); });
   }
   absl::StatusOr<Event> AcknowledgeEvent(EventId id, const std::string& note, const Caller& caller) override {
-    return Write<Event>(Growth::kStays,
-                        [&](Connection& c) { return storage::AcknowledgeEvent(c, Now(), id, note, caller); });
+    return Write<Event>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kEventsChanged, storage::AcknowledgeEvent(c, Now(), id, note, caller));
+    });
   }
   absl::StatusOr<Event> ShelveEvent(EventId id, std::optional<UtcTime> until, const std::string& note,
                                     const Caller& caller) override {
-    return Write<Event>(Growth::kStays,
-                        [&](Connection& c) { return storage::ShelveEvent(c, Now(), id, until, note, caller); });
+    return Write<Event>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kEventsChanged, storage::ShelveEvent(c, Now(), id, until, note, caller));
+    });
   }
   absl::StatusOr<int> BringBackEvents() override {
     // Whether there is one is read first: most of the time there is none, and a write waits for the disk.
     ASSIGN_OR_RETURN(const bool is_due,
                      readers_.Run([&](Connection& c) { return storage::HasEventToBringBack(c, Now()); }));
     if (!is_due) return 0;
-    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::BringBackEvents(c, Now()); });
+    return Write<int>(Growth::kStays,
+                      [&](Connection& c) { return Told(c, kEventsChanged, storage::BringBackEvents(c, Now())); });
   }
   absl::StatusOr<int> ChangeEvents(const EventChanges& changes) override {
-    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::ChangeEvents(c, Now(), changes); });
+    return Write<int>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<int> {
+      absl::StatusOr<int> count = storage::ChangeEvents(c, Now(), changes);
+      if (!count.ok() || *count == 0) return count;
+      return Told(c, kEventsChanged, std::move(count));
+    });
   }
   absl::StatusOr<EventChangePage> ReadEventChanges(int64_t after, const std::optional<MachineId>& machine,
                                                    const Visible& visible) override {
@@ -439,7 +468,7 @@ class SqlStore final : public Database {
   absl::StatusOr<WebhookRecord> PutWebhook(const Webhook& webhook, const NewSecret& secret, int64_t expected_etag,
                                            const Caller& caller) override {
     return Write<WebhookRecord>(Growth::kGrows, [&](Connection& c) {
-      return storage::PutWebhook(c, Now(), webhook, secret, expected_etag, caller);
+      return Told(c, kEventsChanged, storage::PutWebhook(c, Now(), webhook, secret, expected_etag, caller));
     });
   }
   absl::StatusOr<WebhookRecord> RemoveWebhook(const std::string& name, int64_t expected_etag,
@@ -461,8 +490,9 @@ class SqlStore final : public Database {
   }
   absl::StatusOr<int64_t> ResendDeadLetters(const std::string& name, std::optional<int64_t> change,
                                             const Caller& caller) override {
-    return Write<int64_t>(Growth::kStays,
-                          [&](Connection& c) { return storage::ResendDeadLetters(c, Now(), name, change, caller); });
+    return Write<int64_t>(Growth::kStays, [&](Connection& c) {
+      return Told(c, kEventsChanged, storage::ResendDeadLetters(c, Now(), name, change, caller));
+    });
   }
   absl::StatusOr<std::optional<EventChange>> WantedLetter(WebhookId webhook) override {
     return readers_.Run([&](Connection& c) { return storage::WantedLetter(c, webhook); });
@@ -503,6 +533,13 @@ class SqlStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::MachinesWithEvents(c, most); });
   }
 
+  // ---- several processes
+  bool is_shared() const override { return engine_->is_shared(); }
+  void Follow(std::function<void(const News&)> heard) override;
+  void StopFollowing() override;
+  bool IsCaretaker() override;
+  void TellOthers(const std::optional<MachineId>& machine) override;
+
   int schema_version() const override { return engine_->schema_version(); }
 
  private:
@@ -521,13 +558,32 @@ class SqlStore final : public Database {
   UtcTime Now() const { return options_.clock->UtcNow(); }
   std::chrono::microseconds UpTime() const {
     const auto here = options_.clock->SteadyNow() - opened_at_;
-    return up_at_open_ + std::chrono::duration_cast<std::chrono::microseconds>(here);
+    return up_at_open_ + std::chrono::duration_cast<std::chrono::microseconds>(here) +
+           std::chrono::microseconds(up_of_others_us_);
   }
   Moment Present() const { return {Now(), UpTime().count()}; }
-  JobOwner Owner() const {
+  JobOwner Owner(const Connection& connection) const {
     const auto steady = options_.clock->SteadyNow().time_since_epoch();
-    return {owner_id_, Present(), std::chrono::duration_cast<std::chrono::microseconds>(steady).count()};
+    const Moment now = Present();
+    // One process's steady clock is not another's.
+    const int64_t lease_now_us =
+        engine_->is_shared() ? now.up_us : std::chrono::duration_cast<std::chrono::microseconds>(steady).count();
+    return {owner_id_, now, lease_now_us, !connection.has_others()};
   }
+  // Words of Connection::Tell().
+  static constexpr char kJobsChanged[] = "jobs", kEventsChanged[] = "events", kRoutinesChanged[] = "routines";
+  static constexpr char kLookAt[] = "look ";  // and a machine
+  // What a write gives, told to the other processes where it is OK.
+  template <typename T>
+  static absl::StatusOr<T> Told(Connection& connection, const std::string& what, absl::StatusOr<T> made) {
+    if (made.ok()) RETURN_IF_ERROR(connection.Tell(what));
+    return made;
+  }
+  // Counts on from where the process is that is furthest.
+  absl::Status FallInStep(Connection& connection);
+  // That, and the role of caretaker: taken where nobody has it, prolonged, or `leaves` it.
+  absl::Status KeepRole(Connection& connection, bool leaves);
+  void Beat();
 
   absl::Status CheckRoom(Growth growth) const {
     return growth == Growth::kGrows ? engine_->CheckRoom() : absl::OkStatus();
@@ -561,7 +617,7 @@ class SqlStore final : public Database {
     if (options_.damaged) options_.damaged(status);
   }
   // For what is read again and again: each damage is told once.
-  std::function<void(const absl::Status&)> Told() {
+  std::function<void(const absl::Status&)> ToldOnce() {
     return [this](const absl::Status& status) {
       const base::MutexLock lock(told_mutex_);
       if (told_.size() < kMaxTold && told_.insert(std::string(status.message())).second) TellDamage(status);
@@ -579,6 +635,14 @@ class SqlStore final : public Database {
   const std::chrono::microseconds up_at_open_;
   const base::SteadyTime opened_at_;
   const std::string owner_id_;
+  std::atomic<int64_t> up_of_others_us_ = 0;  // that this process was not there to count
+  // Until when this process is the caretaker, on its steady clock.
+  std::atomic<base::SteadyTime> caretaker_until_{base::SteadyTime{}};
+  base::Mutex follow_mutex_;
+  base::CondVar stop_following_;
+  bool follows_ AXISCAL_GUARDED_BY(follow_mutex_) = false;
+  std::thread beats_;
+  std::unique_ptr<Listener> listener_;
   Readers readers_;
   base::Mutex specs_mutex_;
   // Of recent sessions; they never change.

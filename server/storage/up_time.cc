@@ -14,7 +14,14 @@ absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection) {
 }
 
 absl::Status SaveUpTime(Connection& connection, std::chrono::microseconds up) {
-  return connection.Run("UPDATE up_time SET up_us = ?1 WHERE id = 1", static_cast<int64_t>(up.count()));
+  return connection.Run("UPDATE up_time SET up_us = ?1 WHERE id = 1 AND up_us < ?1", static_cast<int64_t>(up.count()));
+}
+
+absl::StatusOr<std::chrono::microseconds> KeepUpTime(Connection& connection, std::chrono::microseconds up) {
+  RETURN_IF_ERROR(SaveUpTime(connection, up));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT up_us FROM up_time WHERE id = 1"));
+  RETURN_IF_ERROR(row.Step().status());
+  return std::chrono::microseconds(row.Int(0));
 }
 
 absl::Status MarkAge(Connection& connection, std::chrono::microseconds up) {

@@ -1,5 +1,6 @@
 // How long a server has had this file open, over all the times that one had: what expiry and waits are counted in. A
-// wall clock may be set; a steady clock begins anew with the machine.
+// wall clock may be set; a steady clock begins anew with the machine. Where several processes share a store, each
+// counts by its own steady clock and goes by the one that is furthest (KeepUpTime()): the row says how far that was.
 #ifndef AXISCAL_SERVER_STORAGE_UP_TIME_H_
 #define AXISCAL_SERVER_STORAGE_UP_TIME_H_
 
@@ -13,7 +14,10 @@ namespace axiscal::storage {
 // Where counting goes on after the file is opened: what was saved, but behind no stamp of a row that is open or waits,
 // so that after a crash, which saves nothing, none of them lies in the future.
 absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection);
+// Never back: another process may be further.
 absl::Status SaveUpTime(Connection& connection, std::chrono::microseconds up);
+// Saves it, and gives what stands there then: `up`, or how far another process is.
+absl::StatusOr<std::chrono::microseconds> KeepUpTime(Connection& connection, std::chrono::microseconds up);
 
 // The newest rows at some time.
 struct AgeMark {

@@ -3,19 +3,25 @@
 #include <future>
 #include <utility>
 
+#include "core/base/error_detail.h"
 #include "server/storage/transaction.h"
 
 namespace axiscal::storage {
-namespace {
 
-// A copy that shares nothing with the original: statuses go to different threads, and thread sanitizers cannot see into
-// the library that counts their references.
 absl::Status Separate(const absl::Status& status) {
   absl::Status copy(status.code(), status.message());
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
     copy.SetPayload(url, absl::Cord(std::string(payload)));
   });
   return copy;
+}
+
+namespace {
+
+// Of a task that met with the end of its transaction: also where it took no notice, nothing of it stands.
+absl::Status UndoneOr(const absl::Status& result) {
+  if (!result.ok()) return Separate(result);
+  return base::Error(absl::StatusCode::kUnavailable, "undone for the sake of another write", {"STORE_BUSY", {}});
 }
 
 }  // namespace
@@ -73,7 +79,8 @@ std::vector<Writer::Task> Writer::TakeGroup() {
 }
 
 void Writer::RunGroup(std::vector<Task>& group) {
-  const absl::Status whole = RunTasks(group);
+  absl::Status whole = RunTasks(group);
+  for (int runs = 1; !whole.ok() && connection_->was_undone() && runs < kMostRuns; ++runs) whole = RunTasks(group);
   if (whole.ok()) return;
   for (Task& task : group) {
     if (task.result.ok()) task.result = Separate(whole);
@@ -88,6 +95,7 @@ absl::Status Writer::RunTasks(std::vector<Task>& group) {
     ASSIGN_OR_RETURN(Savepoint savepoint, Savepoint::Begin(*connection_));
     task.result = task.work(*connection_);
     if (!connection_->in_transaction()) return Separate(task.result);
+    if (connection_->was_undone()) return UndoneOr(task.result);
     if (task.result.ok()) RETURN_IF_ERROR(savepoint.Commit());
     changed = changed || task.result.ok();
   }

@@ -14,10 +14,15 @@
 
 namespace axiscal::storage {
 
+// A copy that shares nothing with the original: statuses go to different threads, and thread sanitizers cannot see into
+// the library that counts their references.
+absl::Status Separate(const absl::Status& status);
+
 // Safe from any thread.
 class Writer {
  public:
-  // Changes rows; anything but OK undoes them. Runs on the writer's thread.
+  // Changes rows; anything but OK undoes them. Runs on the writer's thread, and again where the engine undid a group
+  // for another's sake (Connection::was_undone()).
   using Work = std::function<absl::Status(Connection&)>;
   // Told once, on the writer's thread, in order of submission, after COMMIT or failure.
   using Done = std::function<void(absl::Status)>;
@@ -42,6 +47,8 @@ class Writer {
   };
   static constexpr size_t kMaxWaiting = 256;
   static constexpr size_t kMaxGroup = 32;
+  // How often a group is run that is undone for another's sake: more than once in a row is rare.
+  static constexpr int kMostRuns = 4;
 
   void Loop();
   std::vector<Task> TakeGroup();

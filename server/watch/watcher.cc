@@ -196,7 +196,7 @@ void Watcher::LookAtAll() {
   tell(MachineId(), machines.status());
   if (!machines.ok()) return;
   for (const MachineId& machine : *machines) {
-    if (finishing_) return;
+    if (finishing_ || !IsMine()) return;
     tell(machine, Look(machine));  // one that cannot be looked at hides none of the others
   }
 }
@@ -208,7 +208,7 @@ void Watcher::LookAtDue() {
     due.swap(due_);
   }
   for (const MachineId& machine : due) {
-    if (stopping_) return;
+    if (stopping_ || !IsMine()) return;
     const absl::Status status = Look(machine);
     if (!status.ok() && !stopping_ && options_.tell) options_.tell(machine, status);
   }
@@ -216,7 +216,7 @@ void Watcher::LookAtDue() {
 
 void Watcher::Loop() {
   while (!finishing_) {
-    LookAtAll();
+    if (IsMine()) LookAtAll();
     const base::SteadyTime next = options_.clock->SteadyNow() + options_.every;
     while (!finishing_ && options_.clock->SteadyNow() < next) {
       LookAtDue();

@@ -25,6 +25,8 @@ struct WatcherOptions {
   std::chrono::milliseconds every = std::chrono::minutes(1);
   // Told of what could not be looked at. May be empty.
   std::function<void(const MachineId& machine, const absl::Status& status)> tell;
+  // Where this is false, another process looks at machines (Database::IsCaretaker()). Empty: true.
+  std::function<bool()> is_mine;
   base::Clock* clock = &base::SystemClock();
 };
 
@@ -54,6 +56,7 @@ class Watcher {
   void Loop();
   // At the machines that LookSoon() has named.
   void LookAtDue();
+  bool IsMine() const { return !options_.is_mine || options_.is_mine(); }
 
   storage::Database& database_;
   const std::shared_ptr<EventBoard> board_;

@@ -9,6 +9,8 @@ namespace {
 
 // How long nothing is looked at where nobody says that something has changed.
 constexpr std::chrono::milliseconds kIdle = std::chrono::seconds(10);
+// How often it is asked whether this process has become the one that sends.
+constexpr std::chrono::milliseconds kAsksWhose = std::chrono::seconds(2);
 // How often it is looked whether somebody has.
 constexpr std::chrono::milliseconds kLooksAgain(200);
 // After the store could not give what comes next: it is told of each time.
@@ -90,6 +92,7 @@ void Sender::Loop() {
 
 std::chrono::milliseconds Sender::BeginDue() {
   std::chrono::milliseconds wait = kIdle;
+  if (options_.is_mine && !options_.is_mine()) return kAsksWhose;
   const absl::StatusOr<std::vector<records::WebhookRecord>> webhooks = database_.ListWebhooks();
   if (!webhooks.ok()) return wait;
   const base::UtcTime now = options_.post.clock->UtcNow();

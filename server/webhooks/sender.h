@@ -35,6 +35,9 @@ struct SenderOptions {
   std::function<void(const records::WebhookRecord& webhook, const std::string& error, bool is_dead)> tell;
   // Told of each try: "TAKEN", "FAILED", "DEAD". May be empty.
   std::function<void(const std::string& outcome)> count;
+  // Where this is false, another process sends (Database::IsCaretaker()); asked each time before one is sent. Empty:
+  // true.
+  std::function<bool()> is_mine;
   // 0 .. 1; empty: evenly.
   std::function<double()> random;
 };
