@@ -73,7 +73,12 @@ absl::Status AddTravel(const std::string& text, machine::Machine* machine) {
   const bool are_limits = blank != std::string::npos && session::ParseNumbers(text.substr(blank + 1), &limits) &&
                           limits.size() == 2 && limits[0] < limits[1];
   const int at = machine::FindAxis(*machine, text.substr(0, blank));
-  if (!are_limits || at < 0 || machine->axes[at].kind != machine::AxisKind::kRotary) {
+  if (at >= 0 && machine->axes[at].kind == machine::AxisKind::kLinear) {
+    return absl::InvalidArgumentError(absl::StrCat("--travel '", text, "': ", machine->axes[at].name,
+                                                   " is linear, expected a rotary axis; the travel of a linear one is "
+                                                   "travel_mm of machine.json, [MIN, MAX] in mm"));
+  }
+  if (!are_limits || at < 0) {
     return absl::InvalidArgumentError(absl::StrCat("--travel '", text,
                                                    "': expected \"AXIS MIN MAX\", a rotary axis of machine ",
                                                    machine->id, " and its limits in deg"));

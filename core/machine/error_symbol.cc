@@ -30,6 +30,12 @@ absl::StatusOr<ErrorSymbol> ParseErrorSymbol(const std::string& text) {
       absl::InvalidArgumentError(absl::StrCat("'", text,
                                               "' is not an error symbol, expected E, a component X Y Z A B C, 0 for a "
                                               "constant error, and an axis (EX0C, EYX)"));
+  // As reports name errors that have a shape.
+  if (const size_t colon = text.find(':'); colon != std::string::npos) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "'", text, "' has a shape, expected a symbol alone (EX0C); an error of a shape is an entry of \"terms\" ",
+        "of errors.json (--model of axiscal identify): {\"symbol\": \"", text.substr(0, colon), "\", \"shape\": ...}"));
+  }
   size_t at = 0;
   // X0C and XOC leave the E out; E itself is no component.
   if (at < text.size() && text[at] == 'E') ++at;
