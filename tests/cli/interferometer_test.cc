@@ -1,7 +1,9 @@
-// An interferometer that ran both ways along X, by the commands of docs/logs.md. Its readings are made here, by nothing of Axiscal's own.
+// An interferometer that ran both ways along X at five temperatures, from what it wrote to the report, by the commands
+// of docs/logs.md. Its readings are made here, by nothing of Axiscal's own.
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -58,6 +60,64 @@ class Interferometer : public testing::CommandLine {
     return docs.str().find(output) != std::string::npos;
   }
 };
+
+TEST_F(Interferometer, FromTheLogToTheReport) {
+  Plan();
+  Write("laser.template", "line: {t_s} {L_mm} {temp_C}\nskip: LASER {*}\n");
+  ASSERT_EQ(Run("machine add machine.json").exit_code, 0);
+  for (const int temperature_C : {16, 18, 20, 22, 24}) {
+    const std::string name = std::to_string(temperature_C);
+    RunLaser(temperature_C, -kThermometerK, "laser-" + name + ".log");
+    const auto reduced = Run("reduce laser-" + name +
+                             ".log --template laser.template --plan line-X.csv --machine machine.json --session X-" +
+                             name + " -o X-" + name + ".csv");
+    ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
+    EXPECT_TRUE(temperature_C != 16 || IsInDocs(reduced.out)) << reduced.out;
+    ASSERT_EQ(Run("upload X-" + name + ".csv").exit_code, 0);
+  }
+  // The reversal of ISO 230-2 as each session shows it.
+  const auto figures = Run("figures --json --machine machine.json X-16.csv X-18.csv X-20.csv X-22.csv X-24.csv");
+  ASSERT_EQ(figures.exit_code, 0) << figures.err;
+  const nlohmann::json tests = figures.Json()["tests"];
+  ASSERT_EQ(tests.size(), 5u);
+  int reversals = 0;
+  for (const auto& test : tests) {
+    for (const auto& figure : test["figures"]) {
+      if (figure["symbol"] != "B mean") continue;
+      const double sigma = figure["sigma"];
+      EXPECT_NEAR(figure["value"], kBacklashMm * 1e3, 3.0 * sigma);
+      ++reversals;
+    }
+  }
+  EXPECT_EQ(reversals, 5);
+  Write("errors.json", R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 0},)"
+                       R"( {"symbol": "EXX", "shape": "backlash", "variable": "X", "amplitude": 0}]})");
+  const auto identified = Run("identify --machine mt --all --model errors.json --json");
+  ASSERT_EQ(identified.exit_code, 0) << identified.err;
+  std::map<std::string, nlohmann::json> by_error;
+  const nlohmann::json result = identified.Json();
+  for (const auto& estimate : result["estimates"]) by_error[estimate["symbol"]] = estimate;
+  for (const auto& [error, truth_um] : {std::make_pair("EXX:linear/m", kScalePerMm * 1e6),  // um per metre
+                                        std::make_pair("EXX:backlash", kBacklashMm * 1e3)}) {
+    ASSERT_TRUE(by_error[error].is_object()) << identified.out;
+    const double sigma_um = by_error[error]["sigma"];
+    EXPECT_NEAR(by_error[error]["value"], truth_um, 3.0 * sigma_um) << error;
+  }
+  // The thermometer's 0.1 K is 0.9 um/m in every session: five of them know the scale no better.
+  EXPECT_GT(by_error["EXX:linear/m"]["sigma"], kThermometerK * kGrowthPerK * 1e6);
+  EXPECT_EQ(Run("approve 1").exit_code, 0);
+  const auto shown = Run("calibration show 1");
+  EXPECT_THAT(shown.out, HasSubstr("EXX:linear"));
+  EXPECT_THAT(shown.out, HasSubstr("EXX:backlash"));
+  const auto report = Run("report 1 -o report.html");
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  EXPECT_THAT(Read("report.html"), HasSubstr("EXX:linear"));
+  // The loop finds both by itself.
+  const auto found = Run("close-loop --machine mt --fit X-16,X-18,X-20,X-22 --check X-24");
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("+ EXX:linear"));
+  EXPECT_THAT(found.out, HasSubstr("+ EXX:backlash"));
+}
 
 // Where a new user ends up first: the travel of X typed as that of a rotary axis, an error typed as a report names it.
 TEST_F(Interferometer, WhatIsTypedWrongIsToldHow) {
