@@ -57,8 +57,8 @@ struct Assign {
 const std::vector<Setting>& Settings() {
   static const auto* const settings = new std::vector<Setting>{
       {"store.database", "--db",
-       "Database file; made when it is not there, used by one process at a time. Or postgresql://USER@HOST/DATABASE "
-       "(docs/scale.md)",
+       "Database file; made when it is not there, used by one process at a time. Or postgresql://USER@HOST/DATABASE, "
+       "which several may have (docs/scale.md)",
        &Config::database, 0, 0, true},
       {"server.listen", "--listen", "HOST:PORT or unix:PATH; port 0 picks a free one", &Config::listen},
       {"server.http", "--http",

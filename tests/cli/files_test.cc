@@ -20,8 +20,7 @@ class FilesOnly : public testing::CommandLine {
           "ONLY)\nM30\n%\n");
   }
   Outcome Compensate(const std::string& more) const {
-    return Run("compensate --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' " +
-               more);
+    return Run("compensate --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' " + more);
   }
 };
 
@@ -244,7 +243,8 @@ TEST_F(FilesOnly, WhatIsPassedIsListedByLinesAndNotJudged) {
   Write("passed.nc", "G90 G21 G01 X0 Y0 Z0 B0 C0 F100\nG87 X10. Y0. Z-5. R2.\nX20.\nG80\nG1 X1. Y0. Z0. B0. C0.\n");
   const Outcome passed = Compensate("passed.nc -o out.nc --on-unsupported pass --report report.json");
   ASSERT_EQ(passed.exit_code, 0) << passed.err;
-  EXPECT_THAT(passed.out, HasSubstr("not corrected: 1 range of lines\n  lines 2 to 3: G87 (canned cycle)\n"));
+  EXPECT_THAT(passed.out, HasSubstr("not corrected: 1 range of lines\n  lines 2 to 3: G87 (boring cycle from behind, "
+                                    "or with a way out by hand: program its moves)\n"));
   const auto report = nlohmann::json::parse(Read("report.json"), nullptr, false);
   EXPECT_EQ(report["ranges_not_corrected"], 1);
   EXPECT_EQ(report["not_corrected"][0]["first"], 2);
@@ -254,7 +254,8 @@ TEST_F(FilesOnly, WhatIsPassedIsListedByLinesAndNotJudged) {
       "--on-unsupported pass";
   const Outcome verified = Run(verify);
   EXPECT_EQ(verified.exit_code, 5);
-  EXPECT_THAT(verified.out, HasSubstr("not judged: 1 range of lines\n  lines 2 to 3: G87 (canned cycle)\n"));
+  EXPECT_THAT(verified.out, HasSubstr("not judged: 1 range of lines\n  lines 2 to 3: G87 (boring cycle from behind, or "
+                                      "with a way out by hand: program its moves)\n"));
   EXPECT_THAT(verified.err, HasSubstr("not all is judged: 2 blocks are passed as they are"));
   const Outcome json = Run(verify + " --json --report verify.json");
   EXPECT_EQ(json.exit_code, 5);
