@@ -205,7 +205,8 @@ TEST(CloseLoop, ALocalDefectNarrowerThanTheStepsOfAnRTestIsReported) {
     for (int k = 0; k < 120; ++k) {
       std::vector<double> positions(kMachine.axis_count(), 0.0);
       positions[machine::FindAxis(kMachine, "B")] = (k % 5 - 2) * 0.2;
-      positions[machine::FindAxis(kMachine, "C")] = (k / 5) * 15.0 * std::numbers::pi / 180.0;
+      const int turn = k / 5;
+      positions[machine::FindAxis(kMachine, "C")] = turn * 15.0 * std::numbers::pi / 180.0;
       builder.Add(positions, Eigen::Vector3d::Zero());
     }
     synthetic::NoiseOptions noise;

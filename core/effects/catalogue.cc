@@ -422,7 +422,9 @@ class Builder {
     std::map<std::pair<int, instruments::Carrier>, std::vector<int>> moments;
     for (const Candidate& one : loop::MakeDictionary(plain_, machine::ErrorModel()))
       if (one.family == Family::kStep) moments[{one.run, one.carrier}];
-    for (auto& [of, its] : moments) {
+    for (auto& one : moments) {
+      const std::pair<int, instruments::Carrier>& of = one.first;
+      std::vector<int>& its = one.second;
       const MeasuringRun& run = plain_.runs[of.first];
       const int stride = loop::StepStride(run);
       const auto is_near_known = [&](int k) {  // of whatever slipped
