@@ -3,14 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/identify/testing/scenario.h"
 #include "core/loop/report.h"
 #include "core/plan/session_builder.h"
-#include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
 namespace {
@@ -106,28 +104,6 @@ TEST(CloseLoop, ADriftIsFound) {
   ASSERT_EQ(report.effects.size(), 1u);
   EXPECT_TRUE(Names(report.effects[0], "EZT:drift")) << machine::NameOf(kMachine, report.effects[0].term);
   EXPECT_LT(report.check_after.rms_mm, 0.5 * report.check_before.rms_mm);
-}
-
-// The same readings, each session with times from zero on: the same t_s is another moment in each, so nothing is taken
-// for drift, and the report says why.
-TEST(CloseLoop, OfSessionsWithoutOneClockNothingIsTakenForDrift) {
-  const machine::ErrorModel truth = Errors(
-      kMachine, "{" + std::string(kDeclared) + R"(, "terms": [{"symbol": "EZT", "shape": "drift", "amplitude": 60}]})");
-  std::vector<session::Session> sessions = Measure(kMachine, truth, {}, identify::testing::FivePatterns());
-  for (session::Session& one : sessions) {
-    for (session::Column& column : one.columns) {
-      if (column.name != "t_s") continue;
-      const double first = column.values.front();
-      for (double& value : column.values) value -= first;
-    }
-  }
-  const Report report = CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
-  for (const Effect& effect : report.effects)
-    EXPECT_FALSE(shapes::NeedsOneClock(effect.term.shape)) << machine::NameOf(kMachine, effect.term);
-  const auto& warnings = loop::ReportOf(kMachine, report).fitted.warnings;
-  EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
-                          [](const auto& one) { return one.kind == reports::WarningKind::kClock; }),
-            1);
 }
 
 TEST(CloseLoop, AMachineThatLacksNothingIsLeftAlone) {

@@ -9,7 +9,6 @@
 #include "core/decide/effect_search.h"
 #include "core/decide/hold_back.h"
 #include "core/identify/noise.h"
-#include "core/instruments/clock.h"
 #include "core/loop/check.h"
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
@@ -117,8 +116,6 @@ class Decider {
     ASSIGN_OR_RETURN(const std::vector<reports::WarningFacts> datum,
                      loop::ProposeDatum(ending.fit, ending.extension, identify_options_));
     report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
-    if (const auto overlap = instruments::FindOverlap(all_))
-      report.fitted.warnings.push_back(reports::TwoClocks{overlap->first, overlap->second, {}});
     const std::vector<loop::Unexplained> scattering = ScatteringSessions(ending.fit);
     report.unexplained.insert(report.unexplained.end(), scattering.begin(), scattering.end());
     KeepToWhatWasSeen(&report);

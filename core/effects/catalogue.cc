@@ -11,7 +11,6 @@
 #include "core/effects/instrumental.h"
 #include "core/effects/shaped.h"
 #include "core/identify/reduction.h"
-#include "core/instruments/clock.h"
 #include "core/loop/dictionary.h"
 #include "core/objective/moments.h"
 
@@ -339,7 +338,7 @@ class Builder {
       last_s = std::max(last_s, *last);
     }
     constexpr double kShortest = 60.0;
-    if (!(last_s - first_s > kShortest) || instruments::FindOverlap(plain_.runs)) return;
+    if (!(last_s - first_s > kShortest)) return;
     for (const int joint : {machine_.tool_joint(), machine_.work_joint()})
       AddAtJoint(Family::kTimeCurve, joint, shapes::TimeCurve{{first_s, last_s}}, candidates);
   }

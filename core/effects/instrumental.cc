@@ -4,8 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "core/instruments/clock.h"
-
 namespace axiscal::effects {
 namespace {
 
@@ -25,7 +23,6 @@ bool IsSameFault(const Distortion& a, const Distortion& b) {
 std::vector<Distortion> DistortionsOf(const std::vector<MeasuringRun>& runs) {
   constexpr int kFewestLobes = 2, kMostLobes = 12;  // fewer are a run-out; more are the surface's roughness
   constexpr double kTimeConstantsS[] = {30.0, 60.0, 120.0, 240.0, 480.0, 960.0, 1920.0};  // of gauges that warm up
-  const bool has_one_clock = !instruments::FindOverlap(runs);
   std::set<instruments::Kind> kinds;
   for (const MeasuringRun& run : runs) kinds.insert(run.kind);
   std::vector<Distortion> out;
@@ -48,7 +45,7 @@ std::vector<Distortion> DistortionsOf(const std::vector<MeasuringRun>& runs) {
       add({.kind = Distortion::kBall, .carrier = carrier, .amplitude_mm = {}, .sigma_mm = {}});
       for (int order = kFewestLobes; order <= kMostLobes; ++order)
         add({.kind = Distortion::kLobes, .carrier = carrier, .order = order, .amplitude_mm = {}, .sigma_mm = {}});
-      if (to_s > from_s && has_one_clock)
+      if (to_s > from_s)
         add({.kind = Distortion::kMotion,
              .carrier = carrier,
              .from_s = from_s,

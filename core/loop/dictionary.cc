@@ -7,7 +7,6 @@
 
 #include "core/base/units.h"
 #include "core/identify/outliers.h"
-#include "core/instruments/clock.h"
 #include "core/loop/aliases.h"
 
 namespace axiscal::loop {
@@ -213,8 +212,7 @@ class Builder {
   }
 
   bool HaveOneClock() const {
-    return !instruments::FindOverlap(problem_.runs) &&
-           std::all_of(problem_.runs.begin(), problem_.runs.end(),
+    return std::all_of(problem_.runs.begin(), problem_.runs.end(),
                        [](const MeasuringRun& run) { return run.has_time; });
   }
 

@@ -117,7 +117,6 @@ TEST_F(Interferometer, FromTheLogToTheReport) {
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("+ EXX:linear"));
   EXPECT_THAT(found.out, HasSubstr("EXX:backlash"));
-  EXPECT_THAT(found.out, HasSubstr("sessions X-16 and X-18 overlap in time"));
 }
 
 // Where a new user ends up first: the travel of X typed as that of a rotary axis, an error typed as a report names it.
