@@ -129,7 +129,8 @@ TEST(MonteCarlo, WithoutReadingNoiseTheStatedSigmaDoesNotWeigh) {
   const auto truth = testing::Errors(kMachine, R"({"EA0B": 82.1, "EC0B": -61.0, "EX0C": -22.2, "EY0C": 15.3})");
   ballbar::PatternOptions plan;
   plan.step_deg = 5.0;
-  const std::vector<session::Session> stated = testing::Measure(kMachine, truth, {}, testing::FivePatterns(), plan);
+  const std::vector<session::Session> stated =
+      testing::Measure(kMachine, truth, {}, testing::FivePatterns(), plan);
   std::vector<session::Session> loose = stated;
   for (session::Session& session : loose) {
     for (session::HeaderEntry& entry : session.header) {
@@ -139,9 +140,9 @@ TEST(MonteCarlo, WithoutReadingNoiseTheStatedSigmaDoesNotWeigh) {
   Options options;
   options.model = testing::Errors(kMachine, R"({"EA0B": 0, "EC0B": 0, "EX0C": 0, "EY0C": 0})");
   for (const bool reading_noise : {false, true}) {
-    options.budget = ReadOrDie(R"({"name": "ball", "reading": true, "sigma": 0.3, "drawn": "reading"},
-                     {"name": "C angle", "symbol": "EC0C", "half_width": 7, "drawn": "reading"})",
-                               reading_noise);
+    options.budget =
+        ReadOrDie(R"({"name": "ball", "reading": true, "sigma": 0.3, "drawn": "reading"},
+                     {"name": "C angle", "symbol": "EC0C", "half_width": 7, "drawn": "reading"})", reading_noise);
     const Result one = Identify(kMachine, stated, options).value(), other = Identify(kMachine, loose, options).value();
     double apart = 0.0;
     for (size_t i = 0; i < one.estimates.size(); ++i)

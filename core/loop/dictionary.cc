@@ -168,7 +168,7 @@ class Builder {
       }
     }
     constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
-    if (last_s - first_s > kShortest && HaveOneClock()) {
+    if (last_s - first_s > kShortest && AllTimed()) {
       AddAtAllJoints(Family::kDrift, shapes::Drift{});
       for (const double share : {0.04, 0.08, 0.16, 0.32, kSlowestWarming})
         AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
@@ -211,7 +211,7 @@ class Builder {
       candidates_.push_back({Family::kLobe, term, -1, 0});
   }
 
-  bool HaveOneClock() const {
+  bool AllTimed() const {
     return std::all_of(problem_.runs.begin(), problem_.runs.end(),
                        [](const MeasuringRun& run) { return run.has_time; });
   }

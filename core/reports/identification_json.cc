@@ -49,6 +49,8 @@ absl::StatusOr<Identification> ReadIdentification(const nlohmann::ordered_json& 
   return ReadReport<Identification>(document);
 }
 
-absl::StatusOr<Identification> ReadIdentification(const std::string& text) { return ReadReport<Identification>(text); }
+absl::StatusOr<Identification> ReadIdentification(const std::string& text) {
+  return ReadReport<Identification>(text);
+}
 
 }  // namespace axiscal::reports

@@ -43,16 +43,8 @@ Table ATable() {
   report.tool_tip_mm = {0.0, -0.0, -1070.0 * kThird};
   report.reference = {{"X_mm", 0.0}, {"C_deg", 12.5}};
   report.ranges = {{"X_mm", {-300.0, 300.0}}};
-  report.tables = {{.of = "X",
-                    .over = {"X", "Y"},
-                    .points = {31, 2},
-                    .from = {-300.0, 0.0},
-                    .to = {300.0, 1.0},
-                    .by_sense = true,
-                    .unit = "um",
-                    .largest = 10.0 * kThird,
-                    .left_max = 0.1,
-                    .left_rms = 0.01}};
+  report.tables = {{.of = "X", .over = {"X", "Y"}, .points = {31, 2}, .from = {-300.0, 0.0}, .to = {300.0, 1.0},
+                    .by_sense = true, .unit = "um", .largest = 10.0 * kThird, .left_max = 0.1, .left_rms = 0.01}};
   report.along_axes = {{10.0, 5.0}, {1.0, kThird}};
   report.within_ranges = {{11.0, 6.0}, {1.5, kThird}};
   report.not_carried = {"EBX"};
@@ -147,8 +139,10 @@ TEST(Reports, DamagedTextIsRefusedWithItsPlace) {
   EXPECT_EQ(Refusal(ReadRewrite(R"({"tool_point_error": {"before": {"count": "8"}}})")),
             "report: tool_point_error.before.count = \"8\", expected a whole number");
   EXPECT_EQ(Refusal(ReadRewrite(R"({"passed": [{"block": "N1"}]})")), "report: passed[0].line is missing");
-  EXPECT_EQ(Refusal(ReadTable(R"({"ranges": {"X_mm": 5}})")), "report: ranges.X_mm = 5, expected a list of 2 values");
-  EXPECT_EQ(Refusal(ReadTable(R"({"tool_point_error": 5})")), "report: tool_point_error = 5, expected an object");
+  EXPECT_EQ(Refusal(ReadTable(R"({"ranges": {"X_mm": 5}})")),
+            "report: ranges.X_mm = 5, expected a list of 2 values");
+  EXPECT_EQ(Refusal(ReadTable(R"({"tool_point_error": 5})")),
+            "report: tool_point_error = 5, expected an object");
   EXPECT_EQ(Refusal(ReadToolSetter("{}")), "report: reference_mm is missing");
   EXPECT_EQ(Refusal(ReadToolSetter(R"({"inserts": [{"insert": 1}, {"insert": null}]})")),
             "report: inserts[1].insert = null, expected a whole number");

@@ -1,5 +1,6 @@
-#include "core/reports/report_json.h"
 #include "core/reports/table.h"
+
+#include "core/reports/report_json.h"
 
 namespace axiscal::reports {
 

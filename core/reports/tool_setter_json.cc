@@ -1,6 +1,7 @@
+#include "core/reports/tool_setter.h"
+
 #include "core/reports/fitted_json.h"
 #include "core/reports/report_json.h"
-#include "core/reports/tool_setter.h"
 
 namespace axiscal::reports {
 

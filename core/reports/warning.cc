@@ -148,11 +148,8 @@ Warning Of(const TwoClocks& facts) {
   return {WarningKind::kClock,
           absl::StrCat("sessions ", facts.session, " and ", facts.other,
                        " overlap in time: t_s of each counts from a start of its own, and ",
-                       facts.errors.empty()
-                           ? "nothing was looked for that lasts longer than a session (drift, warming up, motion of "
-                             "what stands on the table)"
-                           : absl::StrJoin(facts.errors, ", ") + " took the same t_s for the same moment",
-                       "; let t_s run on from session to session")};
+                       absl::StrJoin(facts.errors, ", "),
+                       " took the same t_s for the same moment; let t_s run on from session to session")};
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ struct Expired {
 // Sessions of which two overlap in time, though no machine is measured twice at a time.
 struct TwoClocks {
   std::string session, other;
-  std::vector<std::string> errors;  // that need one clock, as fitted; of the loop, which looks for none: empty
+  std::vector<std::string> errors;  // that need one clock
 };
 using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize,
                                   Quiet, DatumMoved, NoFreedom, Expired, TwoClocks>;

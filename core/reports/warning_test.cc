@@ -53,10 +53,6 @@ TEST(Warning, EachKindIsWorded) {
        WarningKind::kNoFreedom,
        "no degree of freedom: Z, pitch from 2 rods, so that nothing shows by how much they are wrong: Z, pitch without "
        "sigma; state rod_sigma of each rod, or measure more rods");
-  Says(TwoClocks{"grid", "random", {}}, WarningKind::kClock,
-       "sessions grid and random overlap in time: t_s of each counts from a start of its own, and nothing was looked "
-       "for that lasts longer than a session (drift, warming up, motion of what stands on the table); let t_s run on "
-       "from session to session");
   Says(TwoClocks{"grid", "random", {"EZT:drift"}}, WarningKind::kClock,
        "sessions grid and random overlap in time: t_s of each counts from a start of its own, and EZT:drift took the "
        "same t_s for the same moment; let t_s run on from session to session");

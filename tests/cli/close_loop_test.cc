@@ -29,8 +29,9 @@ class CloseLoop : public testing::CommandLine {
 };
 
 TEST_F(CloseLoop, FilesDatabaseAndServerGiveOneReport) {
-  const Outcome files = Run("close-loop " + Source("tests/data/loop/case-003") + " --report files.json" +
-                            " --errors files-errors.json --residuals residuals.csv");
+  const Outcome files =
+      Run("close-loop " + Source("tests/data/loop/case-003") + " --report files.json" +
+          " --errors files-errors.json --residuals residuals.csv");
   ASSERT_EQ(files.exit_code, 0) << files.err;
   EXPECT_THAT(files.out, HasSubstr("EXX:backlash"));
   const std::string residuals = Read("residuals.csv");

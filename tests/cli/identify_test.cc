@@ -107,8 +107,9 @@ TEST_F(IdentifyCommand, HoldsOnlySomeErrors) {
 
 // Terms of errors.json on the command line: commas inside them separate nothing.
 TEST_F(IdentifyCommand, DeclaresTermsOfAnyShape) {
-  const Outcome outcome = Run(R"(identify --machine rtttr-bc --sessions head --json )"
-                              R"(--declare 'EB0B,{"symbol": "EXX", "shape": "linear"},EA0B')");
+  const Outcome outcome = Run(
+      R"(identify --machine rtttr-bc --sessions head --json )"
+      R"(--declare 'EB0B,{"symbol": "EXX", "shape": "linear"},EA0B')");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   ASSERT_EQ(outcome.Json()["estimates"].size(), 3u) << outcome.out;
   EXPECT_EQ(outcome.Json()["estimates"][1]["symbol"], "EXX:linear/m");

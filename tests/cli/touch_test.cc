@@ -119,9 +119,9 @@ TEST_F(Touch, ListAndProposalKnowTouches) {
 
 // Touch patterns beside all others: what a probe can do is proposed where it sees most.
 TEST_F(Touch, ForProposesTouchPatterns) {
-  auto outcome =
-      Run("plan --for EX0C,EY0C,EA0C,EB0C --json --machine machine.json --tool-tip '0 0 -350' --ball '90 0 60' --with "
-          "touch-sphere,touch-plate,touch-columns,touch-blocks");
+  auto outcome = Run(
+      "plan --for EX0C,EY0C,EA0C,EB0C --json --machine machine.json --tool-tip '0 0 -350' --ball '90 0 60' --with "
+      "touch-sphere,touch-plate,touch-columns,touch-blocks");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = outcome.Json();
   ASSERT_GE(json["tests"].size(), 1u);
@@ -137,8 +137,9 @@ TEST_F(Touch, ForProposesTouchPatterns) {
 // A pattern of another machine, or one that this one cannot run, is refused with what was expected.
 TEST_F(Touch, PatternsThatDoNotMatchTheMachineAreRefused) {
   ASSERT_EQ(Run("plan touch-columns --machine machine.json -o plan.csv").exit_code, 0);
-  Write("mill.json",
-        R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]},
+  Write(
+      "mill.json",
+      R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]},
             "Y": {"kind": "linear", "direction": [0, 1, 0]},
             "Z": {"kind": "linear", "direction": [0, 0, 1]}},
             "tool_branch": ["X", "Y", "Z"], "work_branch": [], "tool_direction": [0, 0, -1]})");
