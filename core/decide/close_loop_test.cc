@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/identify/testing/scenario.h"
 #include "core/loop/report.h"
 #include "core/plan/session_builder.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
 namespace {
@@ -104,6 +106,43 @@ TEST(CloseLoop, ADriftIsFound) {
   ASSERT_EQ(report.effects.size(), 1u);
   EXPECT_TRUE(Names(report.effects[0], "EZT:drift")) << machine::NameOf(kMachine, report.effects[0].term);
   EXPECT_LT(report.check_after.rms_mm, 0.5 * report.check_before.rms_mm);
+}
+
+// Fit and check sessions each with times from zero on; `of_fit`, `of_check`: what is undeclared in them.
+Report CloseFromZero(const std::string& of_fit, const std::string& of_check) {
+  const auto measure = [](const std::string& terms, const std::vector<Measured>& patterns, uint64_t seed) {
+    ballbar::PatternOptions options;
+    options.step_deg = 2.0;
+    synthetic::NoiseOptions noise;
+    noise.seed = seed;
+    const std::string errors = "{" + std::string(kDeclared) + ", \"terms\": [" + terms + "]}";
+    return *identify::BindSessions(kMachine, Measure(kMachine, Errors(kMachine, errors), noise, patterns, options));
+  };
+  return CloseLoop(kMachine, measure(of_fit, identify::testing::FivePatterns(), 1),
+                   measure(of_check, identify::testing::FivePatterns(), 2))
+      .value();
+}
+
+int OnOneClock(const Report& report) {
+  return static_cast<int>(std::count_if(report.effects.begin(), report.effects.end(),
+                                        [](const Effect& effect) { return shapes::NeedsOneClock(effect.term.shape); }));
+}
+
+// Sessions that overlap in time have no common clock. What a machine does alike after every start is found all the
+// same.
+TEST(CloseLoop, WhatFollowsEveryStartIsFound) {
+  const std::string grows = R"({"symbol": "EZT", "shape": "drift", "amplitude": 150})";
+  const Report report = CloseFromZero(grows, grows);
+  EXPECT_EQ(OnOneClock(report), 1);
+  EXPECT_EQ(report.effects.size(), 1u);
+  EXPECT_LT(report.check_after.rms_mm, 1.1 * report.check_before.rms_mm);
+}
+
+// What drifted in the fit sessions alone foretells nothing of the others: no other session is corrected for it.
+TEST(CloseLoop, WhatFollowedOneStartIsNotTakenForAnother) {
+  const Report report = CloseFromZero(R"({"symbol": "EZT", "shape": "drift", "amplitude": 150})", "");
+  EXPECT_EQ(OnOneClock(report), 0);
+  EXPECT_LT(report.check_after.rms_mm, 1.1 * report.check_before.rms_mm);
 }
 
 TEST(CloseLoop, AMachineThatLacksNothingIsLeftAlone) {

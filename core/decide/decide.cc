@@ -9,12 +9,14 @@
 #include "core/decide/effect_search.h"
 #include "core/decide/hold_back.h"
 #include "core/identify/noise.h"
+#include "core/instruments/clock.h"
 #include "core/loop/check.h"
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
 #include "core/loop/moved_datum.h"
 #include "core/loop/nominal.h"
 #include "core/loop/same_always.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
 namespace {
@@ -93,13 +95,12 @@ class Decider {
     }
     RETURN_IF_ERROR(Settle(&ending.extension, &ending.fit, &report));
     RETURN_IF_ERROR(DropUntold(&ending, &report));
+    RETURN_IF_ERROR(AskWhetherStartsAreAlike(&ending, &report));
     std::vector<loop::Unexplained> sessions;
     if (check_.is_empty()) {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
     } else {
-      ASSIGN_OR_RETURN(const identify::FitStatistics together,
-                       CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, &report));
-      ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, together.rms_mm, &sessions));
+      ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, &sessions));
       report.is_check_fitted = !alone.has_value();
       if (alone) {
         RETURN_IF_ERROR(Describe(*alone, runs_, &report));
@@ -169,11 +170,50 @@ class Decider {
     return absl::OkStatus();
   }
 
-  // The names of `whole` with amplitudes from the fit sessions alone, so that the check sessions still prove something.
-  // Nothing where the fit sessions do not tell these amplitudes. `sessions`: check sessions that stay unexplained.
-  absl::StatusOr<std::optional<Ending>> Alone(const Ending& whole, double check_rms_mm,
-                                              std::vector<loop::Unexplained>* sessions) {
-    constexpr double kNoWorse = 1.02;  // of the check sessions' rms: what a fit of them too would gain
+  // Where sessions overlap in time each counts from a start of its own (instruments::FindOverlap), and a drift says
+  // that the machine does the same after every start. Where the check sessions are foretold better without, it does
+  // not.
+  absl::Status AskWhetherStartsAreAlike(Ending* ending, loop::Report* report) {
+    const auto needs_one_clock = [](const Candidate& one) {
+      return loop::IsTerm(one.family)
+                 ? shapes::NeedsOneClock(one.term.shape)
+                 : one.family == Family::kInstrument && one.distortion.kind == instruments::Distortion::kMotion;
+    };
+    const auto any = [&](const Extension& extension) {
+      return std::any_of(extension.effects.begin(), extension.effects.end(),
+                         [&](const Added& one) { return needs_one_clock(one.candidate); });
+    };
+    if (check_.is_empty() || !any(ending->extension) || !instruments::FindOverlap(all_)) return absl::OkStatus();
+    Ending other{Extension(machine_, all_), {}};
+    for (size_t i = 0; i < ending->extension.effects.size(); ++i) {
+      Added one = ending->extension.effects[i];
+      if (needs_one_clock(one.candidate)) continue;
+      if (IsTerm(one.candidate.family)) one.candidate.term = ending->fit.point.model.terms[ending->extension.TermOf(i)];
+      one.choice = {};
+      other.extension.effects.push_back(std::move(one));
+    }
+    other.extension.bad_rows = ending->extension.bad_rows;
+    absl::StatusOr<Fit> fit = FitExtension(machine_, other.extension, identify_options_);
+    if (absl::IsCancelled(fit.status())) return fit.status();
+    if (!fit.ok()) return absl::OkStatus();  // nothing else stands for it
+    other.fit = *std::move(fit);
+    loop::Report its = *report;
+    search_.LeaveOut(needs_one_clock);
+    RETURN_IF_ERROR(Settle(&other.extension, &other.fit, &its));
+    RETURN_IF_ERROR(DropUntold(&other, &its));
+    ASSIGN_OR_RETURN(const std::optional<Ending> with, AmplitudesOfFitSessions(*ending));
+    ASSIGN_OR_RETURN(const std::optional<Ending> without, AmplitudesOfFitSessions(other));
+    if (!with || !without) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const Fit under_with, check_.Under(with->fit));
+    ASSIGN_OR_RETURN(const Fit under_without, check_.Under(without->fit));
+    if (!(under_without.result.fit.rms_mm < under_with.result.fit.rms_mm)) return absl::OkStatus();
+    *ending = std::move(other);
+    *report = std::move(its);
+    return absl::OkStatus();
+  }
+
+  // The names of `whole` with amplitudes from the fit sessions alone; nothing where they do not tell these amplitudes.
+  absl::StatusOr<std::optional<Ending>> AmplitudesOfFitSessions(const Ending& whole) const {
     const auto fitted = static_cast<int>(runs_.size());
     Ending alone{Extension(machine_, runs_), {}};
     const auto is_of_check = [&](const Candidate& one) {
@@ -193,16 +233,28 @@ class Decider {
     if (absl::IsCancelled(fit.status())) return fit.status();
     if (!fit.ok()) return std::nullopt;
     alone.fit = *std::move(fit);
-    for (size_t i = 0; i < alone.extension.effects.size(); ++i) {
-      if (!IsUnnamed(alone.extension.effects[i].candidate.family) &&
-          loop::EvidenceOf(alone.fit, alone.extension.TermOf(i)) < policy_.evidence)
-        return std::nullopt;
+    return alone;
+  }
+
+  // The same, so that the check sessions still prove something. Nothing where they are not foretold.
+  // `sessions`: check sessions that stay unexplained.
+  absl::StatusOr<std::optional<Ending>> Alone(const Ending& whole, std::vector<loop::Unexplained>* sessions) {
+    ASSIGN_OR_RETURN(std::optional<Ending> alone, AmplitudesOfFitSessions(whole));
+    if (!alone) return std::nullopt;
+    for (size_t i = 0; i < alone->extension.effects.size(); ++i) {
+      const Candidate& one = alone->extension.effects[i].candidate;
+      if (IsUnnamed(one.family)) continue;
+      // Amplitudes must be worth what they cost here, too; those of a free curve are one size.
+      const int count = shapes::IsFree(one.term.shape) ? 1 : shapes::BasisCount(one.term.shape);
+      const double price = policy_.per_column * count;
+      if (loop::EvidenceOf(alone->fit, alone->extension.TermOf(i)) < price) return std::nullopt;
     }
-    RETURN_IF_ERROR(check_.Settle(alone.fit));
-    ASSIGN_OR_RETURN(*sessions, check_.UnexplainedSessions(alone.fit));
-    ASSIGN_OR_RETURN(const Fit under, check_.Under(alone.fit));
-    const bool is_foretold = under.result.fit.rms_mm <= kNoWorse * check_rms_mm;
-    if (!alone.extension.effects.empty() && (!sessions->empty() || !is_foretold)) return std::nullopt;
+    RETURN_IF_ERROR(check_.Settle(alone->fit));
+    ASSIGN_OR_RETURN(*sessions, check_.UnexplainedSessions(alone->fit));
+    if (alone->extension.effects.empty()) return alone;
+    const absl::StatusOr<std::shared_ptr<const Fit>> joint = check_.Joint(alone->fit);
+    if (absl::IsCancelled(joint.status())) return joint.status();
+    if (!joint.ok() || !loop::Check::IsForetold(**joint, alone->fit)) return std::nullopt;
     return alone;
   }
 

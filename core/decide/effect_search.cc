@@ -215,9 +215,11 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
   if (seen.thinned != nullptr) policy.beam = 1;  // the thinned rows were searched from several beginnings
   objective::Scorer scorer(linearised.rows, std::move(catalogue.sources), policy);
   scorer.AddLooks(seen.looks);
-  for (size_t g = 0; options_.may_name && g < catalogue.effects.size(); ++g) {
+  for (size_t g = 0; g < catalogue.effects.size(); ++g) {
     const Effect& effect = catalogue.effects[g];
-    if (effect.bad_row < 0 && !options_.may_name(effect.candidate)) scorer.Exclude(static_cast<int>(g));
+    if (effect.bad_row >= 0) continue;
+    if (is_left_out_(effect.candidate) || (options_.may_name && !options_.may_name(effect.candidate)))
+      scorer.Exclude(static_cast<int>(g));
   }
   const objective::DesignEffect design(scorer);
   objective::Searcher searcher(&scorer, &design, options_.cancelled);

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_DECIDE_EFFECT_SEARCH_H_
 #define AXISCAL_CORE_DECIDE_EFFECT_SEARCH_H_
 
+#include <functional>
 #include <map>
 #include <string>
 #include <tuple>
@@ -31,6 +32,8 @@ class EffectSearch {
   // What `fit`, a fit of `extension`, lacks or has too much, from there: placed in `next`, which is empty. `first`: the
   // report to say in what the declared model lacks at first sight; may be null.
   void Run(const loop::Extension& extension, const identify::Fit& fit, loop::Report* first, loop::Extension* next);
+  // From now on nothing of this kind is looked for.
+  void LeaveOut(std::function<bool(const loop::Candidate&)> is_left_out) { is_left_out_ = std::move(is_left_out); }
   // The last search held as many effects as it may.
   bool has_stopped_early() const { return has_stopped_early_; }
 
@@ -54,6 +57,7 @@ class EffectSearch {
   const machine::ErrorModel& declared_;
   const objective::Policy& policy_;
   const Options& options_;
+  std::function<bool(const loop::Candidate&)> is_left_out_ = [](const loop::Candidate&) { return false; };
   bool has_stopped_early_ = false;
 };
 

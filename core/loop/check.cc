@@ -159,6 +159,15 @@ bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) c
                   count);
 }
 
+bool Check::IsForetold(const identify::Fit& joint, const identify::Fit& best) {
+  constexpr double kBeyondChance = 3.0;  // standard deviations of the ratio: one time in a thousand by chance
+  const double own = best.result.fit.degrees_of_freedom, added = joint.result.fit.degrees_of_freedom - own;
+  if (!(own > 0.0 && added > 0.0)) return false;
+  const double left = identify::WhitenedSquares(best.problem, best.residuals_mm);
+  const double beyond = identify::WhitenedSquares(joint.problem, joint.residuals_mm) - left;
+  return beyond / added <= left / own * (1.0 + kBeyondChance * std::sqrt(2.0 / added + 2.0 / own));
+}
+
 Unexplained Check::ExcessOf(size_t run, double squares) const {
   const double excess = std::max(0.0, squares / UsedOf(run) - 1.0);
   return {Unexplained::kCheckSession, "t",

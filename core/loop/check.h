@@ -40,6 +40,11 @@ class Check {
   double SquaresIn(const identify::Fit& joint, size_t fitted) const;
   // Whether what `joint` leaves beyond `best` is chance, given also how well the fit sessions know the noise.
   bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
+  // Whether `best` foretells these sessions as well as it fits its own (Chow 1960, "Tests of equality between sets of
+  // coefficients", the test of a prediction): what they add to chi-square in `joint` per degree of freedom that they
+  // add, over what the fit sessions leave per degree of freedom of theirs. A model that is incomplete leaves as much in
+  // both.
+  static bool IsForetold(const identify::Fit& joint, const identify::Fit& best);
   // The sessions whose misfit is larger than that; empty where all is explained.
   absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best);
   // The same where `best` was fitted to these sessions, too: those whose misfit under its errors is more than chance.
