@@ -212,7 +212,9 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
                                                Extension* next) {
   effects::Catalogue catalogue = effects::MakeCatalogue(linearised, declared_, known, bad_rows, seen.thinned);
   objective::Policy policy = policy_;
-  if (seen.thinned != nullptr) policy.beam = 1;  // the thinned rows were searched from several beginnings
+  // From several beginnings only where nothing is known yet: neither by thinned rows nor by an earlier round.
+  const bool is_first = seen.thinned == nullptr && known.empty();
+  if (!is_first) policy.beam = 1;
   objective::Scorer scorer(linearised.rows, std::move(catalogue.sources), policy);
   scorer.AddLooks(seen.looks);
   for (size_t g = 0; g < catalogue.effects.size(); ++g) {
@@ -231,15 +233,8 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
     starts[0].state.push_back({group, variance});
   }
   // A block of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
-  // refined: the plain names are followed by themselves, too.
-  objective::Start plain;
-  plain.without = {static_cast<int>(Family::kCurve), static_cast<int>(Family::kCrossed)};
-  for (const objective::Member& member : starts[0].state) {
-    const int family = scorer.group(member.group).family;
-    if (std::find(plain.without.begin(), plain.without.end(), family) == plain.without.end())
-      plain.state.push_back(member);
-  }
-  if (seen.thinned == nullptr) starts.push_back(std::move(plain));
+  // refined: at first the plain names are followed by themselves, too.
+  if (is_first) starts.push_back({{}, {static_cast<int>(Family::kCurve), static_cast<int>(Family::kCrossed)}});
   const objective::Found found = searcher.Search(starts);
   if (first != nullptr) Rank(scorer, design, catalogue, first);
   const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {

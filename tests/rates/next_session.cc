@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "core/decide/close_loop.h"
 #include "core/loop/same_always.h"
@@ -52,6 +53,19 @@ std::string ReportedIn(const machine::Machine& machine, const loop::Report& repo
   return text;
 }
 
+// Moves a session to begin after `end_s`, as a machine is measured once at a time: a proposal says when it could start
+// alone. Its end.
+double StartAfter(double end_s, session::Session* session) {
+  constexpr double kMountingS = 600.0;
+  for (session::Column& column : session->columns) {
+    if (column.name != "t_s") continue;
+    const double later_s = std::max(0.0, end_s + kMountingS - column.values.front());
+    for (double& time_s : column.values) time_s += later_s;
+    return column.values.back();
+  }
+  return end_s;
+}
+
 }  // namespace
 
 NextScore JudgeNext(uint64_t seed) {
@@ -76,6 +90,7 @@ NextScore JudgeNext(uint64_t seed) {
   machine::ErrorModel truth = simulated.declared;
   truth.terms.push_back(simulated.effects.terms[0]);
   std::vector<session::Session> measured;
+  double end_s = -std::numeric_limits<double>::infinity();  // of the session before
   for (const loop::Proposal& proposal : before->next_measurement) {
     if (proposal.test.empty()) {
       score.text += " no test for " + NamesOf(machine, proposal.remaining);
@@ -88,7 +103,9 @@ NextScore JudgeNext(uint64_t seed) {
     noise.sigma_scale = simulated.sigma_scale;
     noise.resolution_mm = 1e-4;
     noise.seed = 1000 * seed + measured.size();
-    measured.push_back(synthetic::Simulate(machine, truth, proposal.session, noise).value());
+    session::Session session = proposal.session;
+    end_s = StartAfter(end_s, &session);
+    measured.push_back(synthetic::Simulate(machine, truth, session, noise).value());
   }
   if (measured.empty()) return score;
   std::vector<instruments::MeasuringRun> runs = identify::BindSessions(machine, measured).value();
