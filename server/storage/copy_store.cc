@@ -333,12 +333,13 @@ absl::StatusOr<std::map<std::string, int64_t>> LastNumbers(Side& side) {
       numbers[name] = row.Int(1);
     }
   };
-  // On PostgreSQL this is what it numbers without gaps.
-  RETURN_IF_ERROR(read("SELECT name, seq FROM sqlite_sequence"));
-  if (side.is_postgres) {
-    RETURN_IF_ERROR(
-        read("SELECT CAST(sequencename AS TEXT), last_value FROM pg_sequences WHERE last_value IS NOT NULL"));
+  if (!side.is_postgres) {
+    RETURN_IF_ERROR(read("SELECT name, seq FROM sqlite_sequence WHERE name IN (SELECT name FROM sqlite_schema)"));
+    return numbers;
   }
+  // What it numbers without gaps; beside it stands what is no table's (the caretaker ...).
+  RETURN_IF_ERROR(read("SELECT name, seq FROM given_number WHERE name = 'audit'"));
+  RETURN_IF_ERROR(read("SELECT CAST(sequencename AS TEXT), last_value FROM pg_sequences WHERE last_value IS NOT NULL"));
   return numbers;
 }
 

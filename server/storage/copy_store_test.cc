@@ -106,6 +106,26 @@ TEST_F(CopyStore, WorkGoesOnAtTheNewPlace) {
   EXPECT_EQ((*database)->BeginProgram(TestProgram("1"))->id, former->BeginProgram(TestProgram("1"))->id);
 }
 
+// Where axiscald has worked, things of its own stand beside the numbers of tables: no copy takes them for one.
+TEST_F(CopyStore, AStoreInUseGoesFromServerToServerAndIntoAFileAndBack) {
+  ASSERT_TRUE(Copy(File("a.db"), url_).ok());
+  {
+    PostgresOptions options;
+    options.url = url_;
+    const auto server = OpenPostgres(options);
+    ASSERT_TRUE(server.ok()) << server.status();
+    (*server)->Follow([](const News&) {});
+    EXPECT_TRUE((*server)->IsCaretaker());
+    (*server)->StopFollowing();
+  }
+  const std::string second = TestServer::present->MakeDatabase(false), third = TestServer::present->MakeDatabase(false);
+  EXPECT_TRUE(Copy(url_, second).ok());
+  EXPECT_TRUE(Copy(second, File("b.db")).ok());
+  EXPECT_TRUE(Copy(File("b.db"), third).ok());
+  TestServer::present->DropDatabase(second);
+  TestServer::present->DropDatabase(third);
+}
+
 TEST_F(CopyStore, OneThatIsBrokenOffGoesOnAndIsNoStoreMeanwhile) {
   const auto whole = Copy(File("a.db"), File("whole.db"));
   ASSERT_TRUE(whole.ok()) << whole.status();

@@ -1,10 +1,24 @@
 #include "server/storage/migration.h"
 
+#include <algorithm>
+
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "core/base/sha256.h"
 #include "server/storage/refusal.h"
 
 namespace axiscal::storage {
+
+int OldestProgram(const Migration& migration) {
+  constexpr absl::string_view kStated = "-- oldest program: ";
+  const absl::string_view first = absl::string_view(migration.sql).substr(0, migration.sql.find('\n'));
+  int number = 0;
+  if (!absl::StartsWith(first, kStated) || !absl::SimpleAtoi(first.substr(kStated.size()), &number))
+    return migration.version;
+  return std::min(number, migration.version);
+}
 
 absl::Status CheckMigrations(Connection& connection, const std::vector<Migration>& migrations, int64_t version) {
   const int ours = migrations.empty() ? 0 : migrations.back().version;

@@ -43,7 +43,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenPostgres(const PostgresOptions& op
   const auto open = [&]() -> absl::StatusOr<std::unique_ptr<Database>> {
     ASSIGN_OR_RETURN(std::unique_ptr<PostgresConnection> connection,
                      PostgresConnection::Open(options.url, Access::kWrite, Hold::kShared));
-    RETURN_IF_ERROR(MigratePostgres(*connection, PostgresMigrations(), options.clock->UtcNow()));
+    RETURN_IF_ERROR(MigratePostgres(*connection, PostgresMigrations(), options.clock->UtcNow(), NewerSchema::kRunOn));
     RETURN_IF_ERROR(RefuseUnfinishedCopy(*connection));
     return SqlStore::Open({options.rescued, options.damaged, options.clock},
                           std::make_unique<PostgresEngine>(options.url), std::move(connection));

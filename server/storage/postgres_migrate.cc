@@ -1,5 +1,7 @@
 #include "server/storage/postgres_migrate.h"
 
+#include <algorithm>
+
 #include "server/storage/refusal.h"
 #include "server/storage/transaction.h"
 
@@ -35,22 +37,54 @@ absl::StatusOr<int64_t> PresentVersion(Connection& connection) {
   return row.Int(0);
 }
 
+// Beside the numbers that are given without gaps.
+constexpr char kOldestProgram[] = "oldest_program";
+
+// The oldest program that may run on a database at schema `version`: where nothing is remembered, that of the schema.
+// Whoever has the store open is no older.
+absl::StatusOr<int64_t> OldestOf(Connection& connection, int64_t version) {
+  if (version == 0) return 0;
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT seq FROM given_number WHERE name = ?1", std::string(kOldestProgram)));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  return found ? row.Int(0) : version;
+}
+
 absl::Status ApplyToServer(Connection& connection, const Migration& migration, base::UtcTime now) {
   ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(connection));
   // Another process may have been faster: where several share the store, one writes at a time.
   ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
   if (version >= migration.version) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const int64_t present, OldestOf(connection, version));
+  const int64_t needed = OldestProgram(migration);
+  if (connection.has_others() && needed > present) {
+    return base::Error(absl::StatusCode::kUnavailable,
+                       absl::StrCat("axiscald of an older version have the database: programs of version ", present,
+                                    " may be among them, it needs ", needed, "; stop them first"),
+                       {"STORE_LOCKED", {}});
+  }
   RETURN_IF_ERROR(connection.Execute(migration.sql));
   RETURN_IF_ERROR(NoteMigration(connection, migration, now));
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO given_number (name, seq) VALUES (?1, ?2) ON CONFLICT (name) DO UPDATE "
+                     "SET seq = excluded.seq",
+                     std::string(kOldestProgram), std::max(present, needed)));
   return transaction.Commit();
 }
 
 }  // namespace
 
-absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now) {
+absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now,
+                             NewerSchema newer) {
   RETURN_IF_ERROR(CheckEncoding(connection));
   ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
-  if (version > 0) RETURN_IF_ERROR(CheckMigrations(connection, migrations, version));
+  const int64_t ours = migrations.empty() ? 0 : migrations.back().version;
+  int64_t checked = version;
+  if (version > ours && newer == NewerSchema::kRunOn) {
+    ASSIGN_OR_RETURN(const int64_t oldest, OldestOf(connection, version));
+    if (oldest <= ours) checked = ours;
+  }
+  if (version > 0) RETURN_IF_ERROR(CheckMigrations(connection, migrations, checked));
   for (const Migration& migration : migrations) {
     if (migration.version <= version) continue;
     RETURN_IF_ERROR(base::Within("migration postgresql/" + migration.name, ApplyToServer(connection, migration, now)));

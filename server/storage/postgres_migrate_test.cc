@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/error_detail.h"
 #include "server/storage/migrate.h"
 #include "server/storage/testing/temp_database.h"
@@ -96,6 +97,61 @@ TEST_F(PostgresMigrate, OneThatFailsLeavesTheOnesBefore) {
   EXPECT_EQ(RefusalOf(broken), "STORE_BUG");
   EXPECT_FALSE(Connect()->Execute("SELECT 1 FROM b").ok());
   EXPECT_EQ(RefusalOf(PostgresMigrations()), "");
+}
+
+// Expand and contract: what a newer program has added an older one runs on, what it has taken away not.
+TEST_F(PostgresMigrate, AnOlderProgramRunsOnASchemaThatWasExpanded) {
+  const int ours = PostgresMigrations().back().version;
+  std::vector<Migration> newer = PostgresMigrations();
+  newer.push_back({ours + 1, "expands",
+                   absl::StrCat("-- oldest program: ", ours, "\nALTER TABLE machine ADD COLUMN later BIGINT")});
+  EXPECT_EQ(RefusalOf(newer), "");
+  PostgresOptions options;
+  options.url = url_;
+  {
+    const auto older = OpenPostgres(options);
+    ASSERT_TRUE(older.ok()) << older.status();
+    EXPECT_TRUE((*older)->CreateMachine(MachineId("mt"), "{}", Cell("")).ok());
+    EXPECT_TRUE((*older)->GetMachine(MachineId("mt")).ok());
+  }
+  // Whoever copies it knows all of its tables.
+  EXPECT_EQ(RefusalOf(PostgresMigrations()), "SCHEMA_NEWER");
+  newer.push_back({ours + 2, "contracts", "ALTER TABLE machine DROP COLUMN later"});
+  EXPECT_EQ(RefusalOf(newer), "");
+  EXPECT_EQ(base::ErrorReason(OpenPostgres(options).status()), "SCHEMA_NEWER");
+  // Later ones that expand do not take that back.
+  newer.push_back({ours + 3, "expands again", absl::StrCat("-- oldest program: ", ours, "\nSELECT 1")});
+  EXPECT_EQ(RefusalOf(newer), "");
+  EXPECT_EQ(base::ErrorReason(OpenPostgres(options).status()), "SCHEMA_NEWER");
+}
+
+TEST_F(PostgresMigrate, ANewerProgramStartsBesideOlderOnesWhereItsTablesLetThem) {
+  const int ours = PostgresMigrations().back().version;
+  PostgresOptions options;
+  options.url = url_;
+  auto older = OpenPostgres(options);
+  ASSERT_TRUE(older.ok()) << older.status();
+  ASSERT_TRUE((*older)->CreateMachine(MachineId("a"), "{}", Cell("")).ok());
+  ASSERT_TRUE((*older)->GetMachine(MachineId("a")).ok());
+  const auto reason_beside = [&](const std::vector<Migration>& migrations) {
+    const auto beside = PostgresConnection::Open(url_, Access::kWrite, Hold::kShared);
+    EXPECT_TRUE(beside.ok()) << beside.status();
+    return base::ErrorReason(MigratePostgres(**beside, migrations, base::FromUtcUs(1), NewerSchema::kRunOn));
+  };
+  std::vector<Migration> newer = PostgresMigrations();
+  newer.push_back({ours + 1, "expands",
+                   absl::StrCat("-- oldest program: ", ours, "\nALTER TABLE machine ADD COLUMN later BIGINT")});
+  EXPECT_EQ(reason_beside(newer), "");
+  // The older one goes on, with the statements that it had prepared.
+  EXPECT_TRUE((*older)->CreateMachine(MachineId("b"), "{}", Cell("")).ok());
+  EXPECT_TRUE((*older)->GetMachine(MachineId("a")).ok());
+  EXPECT_EQ((*older)->ListMachines({})->rows.size(), 2u);
+  newer.push_back({ours + 2, "contracts", "ALTER TABLE machine DROP COLUMN later"});
+  EXPECT_EQ(reason_beside(newer), "STORE_LOCKED");
+  EXPECT_TRUE((*older)->GetMachine(MachineId("b")).ok());
+  older->reset();
+  EXPECT_EQ(reason_beside(newer), "");
+  EXPECT_FALSE(Connect()->Execute("SELECT later FROM machine").ok());
 }
 
 TEST(PostgresStore, IsNotThere) {
