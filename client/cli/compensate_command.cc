@@ -310,8 +310,8 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
                        "as a job: the program, the rewritten one and the report stay on the service");
   compensate->add_flag(
       "--tables-off", arguments->tables_off,
-      "the control's compensation tables are off or not loaded: needed where one was handed out of the "
-      "same calibration, which would correct twice");
+      "the control's compensation tables are off or not loaded: needed where one was handed out of a "
+      "calibration of this machine, which would correct twice");
   AddRewriteOptions(*compensate, arguments->rewrite);
   compensate->add_option("--subprograms-out", arguments->subprograms_out,
                          "with --subprograms: a folder for those that the program calls, corrected");

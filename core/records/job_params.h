@@ -56,7 +56,7 @@ struct CompensateParams {
   nc::RewriteOptions options;                             // its `calibration` and `source_crc32` are set by the job
   std::optional<double> time_s;                           // when the program will run, of the sessions' clock
   std::optional<double> temperature_celsius;
-  bool tables_are_off = false;  // of the control: those that were handed out of this calibration
+  bool tables_are_off = false;  // of the control: those that were handed out of calibrations of this machine
 };
 
 using JobParams = std::variant<IdentifyParams, CompensateParams, CloseLoopParams, ToolSetterParams>;

@@ -10,7 +10,7 @@ absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const 
                                              const std::string& calibration_field) {
   ASSIGN_OR_RETURN(records::CalibrationRecord calibration,
                    CalibrationFor(database, params.machine, params.calibration, calibration_field));
-  RETURN_IF_ERROR(CheckTables(database, calibration.id, params.tables_are_off));
+  RETURN_IF_ERROR(CheckTables(database, calibration, params.tables_are_off));
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
   ASSIGN_OR_RETURN(compensate::Compensator compensator,

@@ -317,7 +317,7 @@ class Client(Watching):
         """Writes `target`, the NC program of `source` corrected for the machine's approved calibration or a named one; nothing is stored.
 
         tool_tip_mm: the nominal tool point at home, machine frame. unit: "mm" or "inch" of a program that does not state it.
-        tables_are_off: the control does not use the tables that were handed out of this calibration, without which it is refused. options: all else
+        tables_are_off: the control uses none of the tables that were handed out of this machine's calibrations, without which it is refused. options: all else
         of axiscal.v1.job_pb2.RewriteOptions. FailedPrecondition with line and reason where a block cannot be corrected; then, as with any other
         error, `target` stays as it was.
         """
