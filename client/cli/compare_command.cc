@@ -201,9 +201,7 @@ absl::Status RunCompare(Context& context, const CompareArguments& arguments) {
   ASSIGN_OR_RETURN(const Compared second, ReadCompared(context, arguments.second, machine, arguments.declared));
   std::optional<Eigen::Vector3d> tip_mm = first.tip_mm ? first.tip_mm : second.tip_mm;
   if (!arguments.tool_tip.empty()) {
-    RewriteArguments rewrite;
-    rewrite.tool_tip = arguments.tool_tip;
-    ASSIGN_OR_RETURN(tip_mm, ToolTip(rewrite));
+    ASSIGN_OR_RETURN(tip_mm, ToolTip(arguments.tool_tip));
     RETURN_IF_ERROR(base::Within("--tool-tip", machine::CheckToolTip(machine, *tip_mm)));
   } else if (!tip_mm && !arguments.box.empty()) {
     return absl::InvalidArgumentError("--box: expected --tool-tip with it");

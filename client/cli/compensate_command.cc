@@ -140,23 +140,26 @@ std::string ProfileNote(const std::string& taken) {
   return taken.empty() ? "" : "of the machine's profile: " + taken + "\n";
 }
 
+// "": the program's words are to say it.
+std::string DialectOf(const nc::StatedOptions& stated) { return stated.open.dialect ? "" : stated.options.dialect; }
+
 // Where the dialect is said, for the output.
 std::string DialectSource(const RewriteArguments& typed) {
   return typed.dialect.empty() ? "the machine's profile" : "--dialect";
 }
 
-absl::Status CompensateFiles(Context& context, const CompensateArguments& typed) {
-  RETURN_IF_ERROR(CheckSubprograms(typed));
-  CompensateArguments arguments = typed;
+absl::Status CompensateFiles(Context& context, const CompensateArguments& arguments) {
+  RETURN_IF_ERROR(CheckSubprograms(arguments));
   ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(const std::string description, base::ReadFile(arguments.machine, base::kMaxJsonBytes));
   ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(description));
-  ASSIGN_OR_RETURN(const std::string taken, TakeProfile(profile, &arguments.rewrite));
-  ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, model.machine));
+  ASSIGN_OR_RETURN(nc::StatedOptions stated, ToStatedOptions(arguments.rewrite, model.machine));
+  ASSIGN_OR_RETURN(const std::string taken, nc::TakeProfile(profile, model.machine, &stated));
+  nc::RewriteOptions& options = stated.options;
   options.calibration = MarkName(arguments.errors);
   options.machine = MarkName(model.machine.id);
   compensate::Options compensator_options;
-  ASSIGN_OR_RETURN(compensator_options.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(compensator_options.tool_tip_mm, ToolTip(stated));
   compensator_options.time_s = arguments.rewrite.time_s;
   compensator_options.temperature_celsius = arguments.rewrite.temperature_celsius;
   ASSIGN_OR_RETURN(const auto compensator,
@@ -176,7 +179,7 @@ absl::Status CompensateFiles(Context& context, const CompensateArguments& typed)
     return fingerprint.Text();
   };
   ASSIGN_OR_RETURN(const DialectChoice dialect,
-                   ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite), arguments.input, trial));
+                   ChooseDialect(DialectOf(stated), DialectSource(arguments.rewrite), arguments.input, trial));
   options.dialect = dialect.name;
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
@@ -202,11 +205,12 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
 }
 
 absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& arguments,
-                                                   const machine::Machine& machine) {
+                                                   const nc::StatedOptions& stated) {
   records::CompensateParams params;
-  ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(stated));
   params.machine = MachineId(arguments.machine);
-  ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
+  params.options = stated.options;
+  params.without_profile = true;  // the profile is in them
   params.tables_are_off = arguments.tables_off;
   params.time_s = arguments.rewrite.time_s;
   params.temperature_celsius = arguments.rewrite.temperature_celsius;
@@ -245,17 +249,17 @@ absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& c
   return OnService{done.result, done.id, done.programs[0]};
 }
 
-absl::Status CompensateOnService(Context& context, const CompensateArguments& typed) {
-  if (!typed.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(typed.rewrite).status());
-  CompensateArguments arguments = typed;
+absl::Status CompensateOnService(Context& context, const CompensateArguments& arguments) {
+  if (!arguments.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(arguments.rewrite.tool_tip).status());
   base::AtomicFile report_file;
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.machine)));
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(record.description_json));
-  ASSIGN_OR_RETURN(const std::string taken, TakeProfile(profile, &arguments.rewrite));
-  ASSIGN_OR_RETURN(records::CompensateParams params, ParamsOf(arguments, machine));
+  ASSIGN_OR_RETURN(nc::StatedOptions stated, ToStatedOptions(arguments.rewrite, machine));
+  ASSIGN_OR_RETURN(const std::string taken, nc::TakeProfile(profile, machine, &stated));
+  ASSIGN_OR_RETURN(records::CompensateParams params, ParamsOf(arguments, stated));
   const DialectTrial trial = [&](const std::string& name) -> absl::StatusOr<std::string> {
     records::CompensateParams trial_params = params;
     trial_params.options.dialect = name;
@@ -268,7 +272,7 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ty
     return fingerprint.Text();
   };
   ASSIGN_OR_RETURN(const DialectChoice dialect,
-                   ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite), arguments.input, trial));
+                   ChooseDialect(DialectOf(stated), DialectSource(arguments.rewrite), arguments.input, trial));
   params.options.dialect = dialect.name;
   const absl::StatusOr<OnService> done =
       arguments.keep ? RewriteAsJob(context, *client, params, arguments) : RewriteInStream(*client, params, arguments);
@@ -308,10 +312,9 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
   compensate->add_option("--report", arguments->report, "write the report as JSON");
   compensate->add_flag("--keep", arguments->keep,
                        "as a job: the program, the rewritten one and the report stay on the service");
-  compensate->add_flag(
-      "--tables-off", arguments->tables_off,
-      "the control's compensation tables are off or not loaded: needed where one was handed out of the "
-      "same calibration, which would correct twice");
+  compensate->add_flag("--tables-off", arguments->tables_off,
+                       "the control's compensation tables are off or not loaded: needed where one was handed out of a "
+                       "calibration of this machine, which would correct twice");
   AddRewriteOptions(*compensate, arguments->rewrite);
   compensate->add_option("--subprograms-out", arguments->subprograms_out,
                          "with --subprograms: a folder for those that the program calls, corrected");

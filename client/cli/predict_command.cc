@@ -63,9 +63,7 @@ std::string NotesText(const std::vector<std::string>& notes) {
 }
 
 absl::Status PredictTool(Context& context, const PredictArguments& arguments, const MachineWithKnownErrors& known) {
-  RewriteArguments rewrite;
-  rewrite.tool_tip = arguments.tool_tip;
-  ASSIGN_OR_RETURN(const Eigen::Vector3d tip_mm, ToolTip(rewrite));
+  ASSIGN_OR_RETURN(const Eigen::Vector3d tip_mm, ToolTip(arguments.tool_tip));
   RETURN_IF_ERROR(base::Within("--tool-tip", machine::CheckToolTip(known.machine, tip_mm)));
   ProgressBar bar = context.Bar("predicting");
   ASSIGN_OR_RETURN(const predict::PredictedPoses made,

@@ -62,7 +62,7 @@ absl::StatusOr<published::Comparison> OfProgram(Context& context, const publishe
   if (arguments.inputs.size() != 1)
     return absl::InvalidArgumentError(absl::StrCat("published: expected one NC program for ", source.name));
   published::Program program;
-  ASSIGN_OR_RETURN(program.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(program.tool_tip_mm, ToolTip(arguments.rewrite.tool_tip));
   machine::Machine machine;
   if (arguments.errors.empty()) {
     ASSIGN_OR_RETURN(const MachineWithCalibration from,
@@ -79,8 +79,8 @@ absl::StatusOr<published::Comparison> OfProgram(Context& context, const publishe
   }
   const std::string& path = arguments.inputs[0];
   ASSIGN_OR_RETURN(const nc::ByteReader reader, nc::FileReader(path));
-  ASSIGN_OR_RETURN(const nc::RewriteOptions reading, ToRewriteOptions(arguments.rewrite, machine));
-  auto poses = nc::ReadPoses(reader, machine, reading, published::kMostPoses);
+  ASSIGN_OR_RETURN(const nc::StatedOptions stated, ToStatedOptions(arguments.rewrite, machine));
+  auto poses = nc::ReadPoses(reader, machine, stated.options, published::kMostPoses);
   if (!poses.ok()) return base::Within(path, poses.status());
   program.poses = *std::move(poses);
   auto comparison = source.compare_program(machine, program);

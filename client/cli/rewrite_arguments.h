@@ -10,6 +10,7 @@
 #include "core/machine/machine.h"
 #include "core/machine/program_profile.h"
 #include "core/nc/options.h"
+#include "core/nc/stated_options.h"
 
 namespace CLI {
 class App;
@@ -50,18 +51,19 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
 // Those of them that a machine's profile may hold.
 void AddProfileOptions(CLI::App& command, RewriteArguments& arguments);
 
-// What the options do not say and the machine's profile does. Says which of them it took, in words; "": none.
-absl::StatusOr<std::string> TakeProfile(const machine::ProgramProfile& profile, RewriteArguments* arguments);
-// The profile that the options make; a tool table is read and stands as lengths and radii. Errors of ToRewriteOptions.
+// The profile that the options make; a tool table is read and stands as lengths and radii. Errors of ToStatedOptions.
 absl::StatusOr<machine::ProgramProfile> ToProfile(const RewriteArguments& arguments, const machine::Machine& machine);
 // The options of a profile as they are typed, a line each.
 std::string ProfileText(const machine::ProgramProfile& profile);
 
-// INVALID_ARGUMENT naming the option, its value and what was expected. Without --dialect: that of "fanuc".
-absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments);
+// --tool-tip, of a text or of what options and profile state together. INVALID_ARGUMENT naming option and value.
+absl::StatusOr<Eigen::Vector3d> ToolTip(const std::string& text);
+absl::StatusOr<Eigen::Vector3d> ToolTip(const nc::StatedOptions& stated);
 // The files of a folder, in the order of their names; none for "".
 absl::StatusOr<std::vector<nc::Subprogram>> ReadSubprograms(const std::string& option, const std::string& folder);
-absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments, const machine::Machine& machine);
+// What the command line says, before the machine's profile (nc::TakeProfile). Errors of nc::ReadStated, of the tool
+// table and of the folder of subprograms.
+absl::StatusOr<nc::StatedOptions> ToStatedOptions(const RewriteArguments& arguments, const machine::Machine& machine);
 
 }  // namespace axiscal::cli
 

@@ -67,13 +67,11 @@ absl::Status CheckMachine(const std::string& path, const std::string& machine) {
   head.resize(static_cast<size_t>(file.gcount()));
   const std::string marked = nc::MarkedMachine(head);
   if (marked.empty() || marked == machine) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(path, ": was corrected for machine ", marked,
-                                                    ", and --machine is ", machine,
-                                                    ": on another machine its words are wrong"));
+  return absl::FailedPreconditionError(absl::StrCat(path, ": was corrected for machine ", marked, ", and --machine is ",
+                                                    machine, ": on another machine its words are wrong"));
 }
 
-absl::Status Verify(Context& context, const VerifyArguments& typed) {
-  VerifyArguments arguments = typed;
+absl::Status Verify(Context& context, const VerifyArguments& arguments) {
   std::vector<NamedPath> inputs = {{"the original", arguments.original},
                                    {"the compensated program", arguments.compensated}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
@@ -83,7 +81,7 @@ absl::Status Verify(Context& context, const VerifyArguments& typed) {
   }
   RETURN_IF_ERROR(CheckOutputs(inputs, {{"--report", arguments.report}}));
   nc::VerifyOptions options;
-  if (!typed.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(typed.rewrite).status());
+  if (!arguments.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(arguments.rewrite.tool_tip).status());
   ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()
                                                       ? FetchModel(context, arguments.machine, arguments.calibration)
                                                       : ReadModelFiles(arguments.machine, arguments.errors));
@@ -97,12 +95,12 @@ absl::Status Verify(Context& context, const VerifyArguments& typed) {
     ASSIGN_OR_RETURN(description, base::ReadFile(arguments.machine, base::kMaxJsonBytes));
   }
   ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(description));
-  RETURN_IF_ERROR(TakeProfile(profile, &arguments.rewrite).status());
-  ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(nc::StatedOptions stated, ToStatedOptions(arguments.rewrite, model.machine));
+  RETURN_IF_ERROR(nc::TakeProfile(profile, model.machine, &stated).status());
+  ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(stated));
   RETURN_IF_ERROR(CheckMachine(arguments.compensated, model.machine.id));
-  ASSIGN_OR_RETURN(options.reading, ToRewriteOptions(arguments.rewrite, model.machine));
-  ASSIGN_OR_RETURN(options.compensated_subprograms,
-                   ReadSubprograms("--subprograms-out", arguments.subprograms_out));
+  options.reading = stated.options;
+  ASSIGN_OR_RETURN(options.compensated_subprograms, ReadSubprograms("--subprograms-out", arguments.subprograms_out));
   options.time_s = arguments.rewrite.time_s.value_or(options.time_s);
   options.temperature_celsius = arguments.rewrite.temperature_celsius.value_or(options.temperature_celsius);
   const auto verify = [&](const std::string& name) {
@@ -115,8 +113,8 @@ absl::Status Verify(Context& context, const VerifyArguments& typed) {
     return nc::ToJson(found);
   };
   ASSIGN_OR_RETURN(const DialectChoice dialect,
-                   ChooseDialect(arguments.rewrite.dialect,
-                                 typed.rewrite.dialect.empty() ? "the machine's profile" : "--dialect",
+                   ChooseDialect(stated.open.dialect ? "" : stated.options.dialect,
+                                 arguments.rewrite.dialect.empty() ? "the machine's profile" : "--dialect",
                                  arguments.original, trial));
   const absl::StatusOr<nc::VerifyReport> verified = verify(dialect.name);
   if (!verified.ok()) return WithDialect(dialect, verified.status());

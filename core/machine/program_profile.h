@@ -1,5 +1,5 @@
 // What a shop states once for the NC programs of a machine: the member `programs` of machine.json, in the words of the
-// options of `axiscal compensate`. What they mean is for who reads them (client/cli/rewrite_arguments.h).
+// options of `axiscal compensate`. What they mean: core/nc/stated_options.h.
 #ifndef AXISCAL_CORE_MACHINE_PROGRAM_PROFILE_H_
 #define AXISCAL_CORE_MACHINE_PROGRAM_PROFILE_H_
 

@@ -120,10 +120,10 @@ bool ReadOWord(const std::string& line, FlowLine* flow) {
     flow->is_alone = ends();
   } else if (cursor.TakeWord("CALL")) {
     flow->kind = FlowLine::Kind::kCall;
-    // [1] [2]: its arguments.
+    // [1] [2*[#1+3]]: its arguments.
     while (cursor.Take("[")) {
-      while (cursor.Now() != 0 && cursor.Now() != ']') cursor.Step();
-      cursor.Step();
+      for (int depth = 1; cursor.Now() != 0 && depth > 0; cursor.Step())
+        depth += cursor.Now() == '[' ? 1 : cursor.Now() == ']' ? -1 : 0;
     }
     flow->is_alone = ends();
     flow->code_end = cursor.at();
@@ -133,6 +133,30 @@ bool ReadOWord(const std::string& line, FlowLine* flow) {
     return false;
   }
   return true;
+}
+
+// G54, G90 and the like, which do not look at P and L.
+bool StatesMode(const Word& word, const Dialect& dialect) {
+  const int64_t value = word.number.decimals == 0 ? word.number.mantissa : -1;
+  if (word.letter != 'G' || value < 0 || 10 * value >= kCodes) return false;
+  const CodeMeaning& code = dialect.g_codes[static_cast<size_t>(10 * value)];
+  switch (code.meaning) {
+    case Meaning::kRapid:
+    case Meaning::kLinear:
+    case Meaning::kInch:
+    case Meaning::kMillimetre:
+    case Meaning::kAbsolute:
+    case Meaning::kIncremental:
+    case Meaning::kPlane:
+    case Meaning::kFeedPerMinute:
+    case Meaning::kFeedInverseTime:
+    case Meaning::kFeedPerTurn:
+      return true;
+    case Meaning::kWorkOffset:
+      return code.detail != 1;  // G154 P
+    default:
+      return false;
+  }
 }
 
 FlowLine ReadIso(const std::string& line, const Dialect& dialect) {
@@ -164,6 +188,8 @@ FlowLine ReadIso(const std::string& line, const Dialect& dialect) {
       repeats = &word;
     } else if (word.letter == 'O') {
       head = &word;
+    } else if (call == nullptr && number == nullptr && repeats == nullptr && StatesMode(word, dialect)) {
+      flow.has_codes = true;
     } else {
       // Arguments of a macro set its variables.
       const bool may_be_argument = word.letter != 0 && word.letter != 'G' && word.letter != 'M';
@@ -180,7 +206,9 @@ FlowLine ReadIso(const std::string& line, const Dialect& dialect) {
     const bool is_number = number != nullptr && number->number.decimals == 0 && number->number.mantissa > 0;
     flow.is_alone = is_number && end == nullptr && head == nullptr && (other == nullptr || (is_macro && !has_code)) &&
                     (repeats == nullptr || (repeats->number.decimals == 0 && repeats->number.mantissa >= 0));
+    flow.is_alone &= !(is_macro && flow.has_codes);
     if (!flow.is_alone) return flow;
+    if (flow.has_codes) flow.code_at = call->letter_at;
     flow.target = absl::StrCat(call->number.mantissa == 97 ? "N" : "O", number->number.mantissa);
     flow.target_at = number->number_at, flow.target_end = number->end;
     flow.is_packed = number->number.digits > 4;
@@ -191,11 +219,11 @@ FlowLine ReadIso(const std::string& line, const Dialect& dialect) {
   } else if (end != nullptr) {
     const CodeMeaning& meaning = dialect.m_codes[static_cast<size_t>(10 * end->number.mantissa)];
     flow.kind = meaning.detail == 1 ? FlowLine::Kind::kReturn : FlowLine::Kind::kProgramEnd;
-    flow.is_alone = other == nullptr && number == nullptr && repeats == nullptr && head == nullptr;
+    flow.is_alone = other == nullptr && number == nullptr && repeats == nullptr && head == nullptr && !flow.has_codes;
     if (meaning.detail == 1 && (number != nullptr || repeats != nullptr)) flow.kind = FlowLine::Kind::kPlain;
   } else if (head != nullptr) {
     flow.kind = FlowLine::Kind::kHead;
-    flow.is_alone = other == nullptr && number == nullptr && repeats == nullptr && code == head;
+    flow.is_alone = other == nullptr && number == nullptr && repeats == nullptr && code == head && !flow.has_codes;
     flow.target = absl::StrCat("O", head->number.mantissa);
     flow.target_at = head->number_at, flow.target_end = head->end;
   }
@@ -565,10 +593,9 @@ void Execution::FindBodies(int index) {
   }
   for (Body& body : bodies_) {
     if (body.text != index) continue;
-    const bool returns = std::any_of(text.flow.begin() + static_cast<ptrdiff_t>(body.begin),
-                                     text.flow.begin() + static_cast<ptrdiff_t>(body.end), [](const FlowLine& flow) {
-                                       return flow.kind == Kind::kReturn || flow.kind == Kind::kProgramEnd;
-                                     });
+    const bool returns = std::any_of(
+        text.flow.begin() + static_cast<ptrdiff_t>(body.begin), text.flow.begin() + static_cast<ptrdiff_t>(body.end),
+        [](const FlowLine& flow) { return flow.kind == Kind::kReturn || flow.kind == Kind::kProgramEnd; });
     if (!returns && body.problem.empty()) body.problem = "it does not end with a return";
   }
   // M97 P500 of Haas: N500 to M99.
@@ -748,7 +775,7 @@ bool Execution::Next(Event* event) {
     if (!is_name || IsKnown(flow.target)) event->call_problem = problem;
     return true;
   }
-  event->kind = Event::Kind::kApart;
+  event->kind = flow.has_codes ? Event::Kind::kLine : Event::Kind::kApart;
   event->is_call = true;
   const Body& called = bodies_[static_cast<size_t>(body)];
   Frame next;

@@ -26,9 +26,10 @@ struct FlowLine {
   Kind kind = Kind::kPlain;
   std::string target;  // of kCall and kHead: "O1000", "N500", "LBL 5", "PGM A"; of kHead and kReturn "" where none
   int64_t repeats = 1;
-  bool is_alone = false;                   // nothing but the call or return stands in the block
-  bool is_packed = false;                  // P51002: O1002 five times
-  bool is_section = false;                 // CALL LBL 1 REP 2: the part above, twice more
+  bool is_alone = false;    // nothing but the call or return stands in the block, but for codes in front of a call
+  bool has_codes = false;   // G codes that state modes, which act before the call: G90 G54 M98 P1000
+  bool is_packed = false;   // P51002: O1002 five times
+  bool is_section = false;  // CALL LBL 1 REP 2: the part above, twice more
   size_t target_at = 0, target_end = 0;    // number or name
   size_t repeats_at = 0, repeats_end = 0;  // "L3"; equal: the block has none
   size_t code_at = 0, code_end = 0;        // what calls, without the block's number and comments
@@ -64,7 +65,7 @@ class Execution {
     int text = 0;                     // 0: the program; others in the order of options.subprograms
     size_t line = 0;                  // index into the text's lines
     int body = -1;                    // that runs; -1: the program
-    bool is_call = false;             // of kApart: what it calls runs next
+    bool is_call = false;             // of kApart, and of kLine whose block states modes first: what it calls runs next
     bool is_packed = false;           // of a call: its number holds the repeats
     bool is_followed_return = false;  // of kLine: its block returns, and may move
     std::string call_problem;         // of kLine: why the call in it is not followed

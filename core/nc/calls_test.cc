@@ -147,6 +147,40 @@ TEST(Calls, WhatIsNotFollowedIsRefusedWithWhatHelps) {
   EXPECT_REFUSED(In("heidenhain"), "0 BEGIN PGM A MM\n1 L X+1\n2 CALL LBL 7 REP 2\n", "does not stand in front of it");
 }
 
+// B-64484EN, "Subprogram call (M98)": what else stands in its block acts in front of it.
+TEST(Calls, ModesInFrontOfACallActBeforeIt) {
+  RewriteOptions options = In("fanuc");
+  options.work_offsets = {{"G54", {{"X", 0.0}}}, {"G55", {{"X", 10.0}}}};
+  EXPECT_REWRITTEN(options, "G1 X1. F100\nN5 G90 G55 M98 P1000 (B)\nX3.\nM30\nO1000\nG91 X2.\nG90 G54 X4.\nM99\n",
+                   "G1 X1.0417 F100\nN5 G90 G55 M98 P1000 (B)\nX3.0417\nM30\nO1000\nG91 X2.\nG90 G54 X4.0417\nM99\n");
+  // Runs that differ: each further call has none of the codes.
+  const Outcome several = Rewritten("G1 X1. B0. F100\nG90 M98 P7 L2\nX9.\nM30\nO7\nG91 B45.\nG90\nM99\n", kAtZero);
+  ASSERT_TRUE(several.status.ok()) << several.status;
+  EXPECT_THAT(several.text, HasSubstr("\nG90 M98 P7 L1\nM98 P8 L1\n"));
+  const std::string sub = "M30\nO1000\nX2.\nM99\n";
+  for (const char* const block : {"M98 P1000 G90\n", "G90 X5. M98 P1000\n", "G28 M98 P1000\n", "G54.1 M98 P1000\n",
+                                  "G4 M98 P1000\n", "G90 G65 P1000\n", "G90 M98 L2\n"})
+    EXPECT_REFUSED(options, std::string("G1 X1. F100\n") + block + sub, "put the call alone in its block");
+  EXPECT_REFUSED(options, "G1 X1. F100\nG57 M98 P1000\n" + sub, "G57");
+}
+
+// LinuxCNC 2.9, "O codes": arguments are #1, #2 of the subprogram, and the caller keeps its own.
+TEST(Calls, ArgumentsOfOWordsAreKnown) {
+  const RewriteOptions options = In("linuxcnc");
+  EXPECT_REWRITTEN(options, "o7 sub\nX#1 Y[#2+1]\no7 endsub\nG1 X1. F100\no7 call [2.5] [2*[3+1]]\nM2\n",
+                   "o7 sub\nX2.5417 Y[#2+1]\no7 endsub\nG1 X1.0417 F100\no7 call [2.5] [2*[3+1]]\nM2\n");
+  const Outcome twice = Rewritten(
+      "#1=4\n#<a>=6\no7 sub\n#1=[#1+1]\n#<a>=9\nX#1\no7 endsub\nG1 X1. F100\no7 call [#1]\no7 call [#<a>]\nX#1\nM2\n",
+      options);
+  ASSERT_TRUE(twice.status.ok()) << twice.status;
+  EXPECT_THAT(twice.text, HasSubstr("X5.0417\no7 endsub\no8 sub\n#1=[#1+1]\n#<a>=9\nX7.0417\no8 endsub\n"));
+  EXPECT_THAT(twice.text, HasSubstr("o7 call [#1]\no8 call [#<a>]\nX4.0417\nM2\n"));
+  for (const auto& [call, name] : std::vector<std::pair<std::string, std::string>>{
+           {"o7 call", "#1"}, {"o7 call [atan[1]/[2]]", "#1"}, {"o7 call [#5]", "#1"}, {"o7 call [1] [2]", "#3"}})
+    EXPECT_REFUSED(options, "o7 sub\nX" + name + "\no7 endsub\nG1 X1. F100\n" + call + "\nM2\n",
+                   "the value of " + name + " is not known here");
+}
+
 // What was corrected holds for one order of blocks: a jump back to a call of it must not be passed.
 TEST(Calls, JumpsBackToFollowedCallsAreNotPassed) {
   RewriteOptions options = kAtZero;

@@ -404,14 +404,38 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) {
   return true;
 }
 
+// LinuxCNC 2.9, "O codes": [1] [2] behind CALL are #1 and #2 of the subprogram; the others are those of the caller
+// (not read here), to whom all of them come back as they were.
+std::vector<std::pair<std::string, std::optional<double>>> Interpreter::ArgumentsOfOWord() const {
+  std::vector<std::pair<std::string, std::optional<double>>> arguments;
+  const char* at = call_block_.data();
+  const char* const end = at + TextSize(at, call_block_.size());
+  for (at = std::find(at, end, '['); at != end;) {
+    const char* behind = at;
+    const std::optional<double> value = Evaluate(&behind, end, *dialect_, variables_);
+    arguments.emplace_back(absl::StrCat("#", arguments.size() + 1), value);
+    int depth = 0;
+    do {
+      depth += *at == '[' ? 1 : *at == ']' ? -1 : 0;
+      ++at;
+    } while (at != end && depth > 0);
+    if (value && behind != at) arguments.back().second.reset();
+    while (at != end && *at == ' ') ++at;
+    if (at != end && *at != '[') break;
+  }
+  return arguments;
+}
+
 // B-64484EN, "Macro call (G65)", argument specification I. Without a point a number counts by the address.
 void Interpreter::EnterLevel() {
   static constexpr int kVariables[] = {1, 2, 3, 7,  8,  9,  0,  11, 4,  5,  6,  0,  13,
                                        0, 0, 0, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26};
-  Block call;
   std::vector<std::pair<std::string, std::optional<double>>> arguments;
+  if (dialect_->takes_loaded_tool) arguments = ArgumentsOfOWord();
+  Block call;
   bool is_macro = false, is_twice = false;
-  Lex(call_block_.data(), TextSize(call_block_.data(), call_block_.size()), *dialect_, &call, &variables_);
+  if (!dialect_->takes_loaded_tool)
+    Lex(call_block_.data(), TextSize(call_block_.data(), call_block_.size()), *dialect_, &call, &variables_);
   for (const Word& word : call) {
     is_macro |= word.letter == 'G' && word.number.mantissa == 65 && word.number.decimals == 0;
     const int variable = word.letter >= 'A' && word.letter <= 'Z' ? kVariables[word.letter - 'A'] : 0;
@@ -421,9 +445,11 @@ void Interpreter::EnterLevel() {
     const bool is_known = word.number.has_point || word.number.mantissa == 0;
     arguments.emplace_back(name, is_known ? std::optional<double>(ValueOf(word.number)) : std::nullopt);
   }
+  callers_.push_back(variables_);
   variables_.ForgetLocals();
+  const bool are_passed = dialect_->takes_loaded_tool || (is_macro && !is_twice && call.problem == LexProblem::kNone);
   for (const auto& [name, value] : arguments) {
-    if (is_macro && !is_twice && call.problem == LexProblem::kNone) variables_.Set(name, value);
+    if (are_passed) variables_.Set(name, value);
   }
   call_blocks_.push_back(call_block_);
 }
@@ -431,6 +457,8 @@ void Interpreter::EnterLevel() {
 void Interpreter::LeaveLevel() {
   variables_.ForgetLocals();
   if (call_blocks_.empty()) return;
+  if (dialect_->takes_loaded_tool) variables_.TakeLocals(callers_.back());
+  callers_.pop_back();
   call_block_ = call_blocks_.back();
   call_blocks_.pop_back();
 }

@@ -144,9 +144,10 @@ class Interpreter {
   void SkipLine() { ++line_; }
   // The first line that calls a subprogram, or begins one that is read over, ends the reading (Step::begins_structure).
   void StopAtCalls() { stops_at_calls_ = true; }
-  // From such a line on: the next line's number, whether its return to what called it is followed, and why a call in it
-  // is not.
-  void SetLine(int64_t next, bool is_followed_return, const std::string& call_problem) {
+  // From such a line on: the next line's number, whether its return to what called it, or its call, is followed, and
+  // why a call in it is not.
+  void SetLine(int64_t next, bool is_followed_return, bool is_followed_call, const std::string& call_problem) {
+    is_followed_call_ = is_followed_call;
     stops_at_calls_ = false;
     line_ = next - 1;
     is_followed_return_ = is_followed_return;
@@ -154,7 +155,8 @@ class Interpreter {
   }
 
   // The block whose call is followed next, and the subprogram that it calls begins or ends: variables of one of them
-  // alone are not known in the other, but for the arguments of G65.
+  // alone are not known in the other, but for the arguments of G65 and of LinuxCNC's O words; behind the latter those
+  // of the caller are what they were.
   void NoteCallBlock(const std::string& call) { call_block_ = call; }
   void EnterLevel();
   void LeaveLevel();
@@ -372,6 +374,8 @@ class Interpreter {
     is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
   }
   // An N word, to know later where jumps lead.
+  // Of the call that is followed next; nullopt: not known.
+  std::vector<std::pair<std::string, std::optional<double>>> ArgumentsOfOWord() const;
   void NoteNumber(const Word& word) {
     const int64_t number = word.number.mantissa;
     if (number >= 0 && number < static_cast<int64_t>(numbers_seen_.size()))
@@ -531,9 +535,11 @@ class Interpreter {
   bool block_may_be_skipped_ = false;
   bool stops_at_calls_ = false;
   bool is_followed_return_ = false;  // of the line that is read
+  bool is_followed_call_ = false;
   std::string call_problem_;
   Variables variables_;
   std::string call_block_;                // that calls next
+  std::vector<Variables> callers_;        // what was known when each level was entered
   std::vector<std::string> call_blocks_;  // of the subprograms that run
   bool is_continued_ = false;             // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;           // M30: what follows is another program

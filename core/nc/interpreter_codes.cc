@@ -79,6 +79,7 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         break;
       }
       case Role::kParameter:
+        if (is_followed_call_) break;  // of the call
         if (request->parameter == 0) {
           request->parameter = word.letter;
           if (word.letter == 'P') request->number_of_parameter = &word;
@@ -303,6 +304,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->is_tangential |= code.detail == kTangential;
       return request->Refuse(named());
     case Meaning::kCall:
+      if (is_followed_call_) return;
       NoteCall();
       request->is_call = true;
       request->is_local_call |= word.letter == 'M' && word.number.mantissa == 97;

@@ -47,7 +47,8 @@ bool MoveReader::RunNext() {
   if (event.kind == Execution::Event::Kind::kEnter) interpreter_.EnterLevel();
   if (event.kind == Execution::Event::Kind::kLeave) interpreter_.LeaveLevel();
   if (event.kind != Execution::Event::Kind::kLine) return true;
-  interpreter_.SetLine(execution_->line_number(event.text, event.line), event.is_followed_return, event.call_problem);
+  interpreter_.SetLine(execution_->line_number(event.text, event.line), event.is_followed_return, event.is_call,
+                       event.call_problem);
   Line(block.data(), block.size(), block.size() > kMaxLineBytes);
   return true;
 }

@@ -368,6 +368,12 @@ void Rewriter::Impl::RunCalls() {
       if (is_null()) return job.Passed(now, problem, false);
       job.Refused(now, problem, false);
     };
+    const auto begin_call = [&] {
+      call_line = event.line;
+      interpreter.NoteCallBlock(lines[event.line]);
+      runs.back().calls[call_line].clear();
+      runs.back().is_packed[call_line] = event.is_packed;
+    };
     switch (event.kind) {
       case Execution::Event::Kind::kEnter: {
         const Body& body = execution.bodies()[static_cast<size_t>(event.body)];
@@ -396,22 +402,21 @@ void Rewriter::Impl::RunCalls() {
       }
       case Execution::Event::Kind::kApart:
         if (!event.problem.empty()) refuse(event.problem);
-        if (!event.is_call) break;
-        call_line = event.line;
-        interpreter.NoteCallBlock(lines[event.line]);
-        runs.back().calls[call_line].clear();
-        runs.back().is_packed[call_line] = event.is_packed;
+        if (event.is_call) begin_call();
         break;
       case Execution::Event::Kind::kLine: {
         if (!event.problem.empty()) refuse(event.problem);
         const std::string& line = lines[event.line];
         job.SetSource(execution.text_name(event.text));
-        interpreter.SetLine(execution.line_number(event.text, event.line), event.is_followed_return,
+        interpreter.SetLine(execution.line_number(event.text, event.line), event.is_followed_return, event.is_call,
                             event.call_problem);
         Line(line.data(), line.size(), line.size() > kMaxLineBytes);
         const bool keeps = !is_null() && !job.is_refused();
-        if (keeps && (out.size() != line.size() || std::memcmp(out.data(), line.data(), line.size()) != 0))
-          runs.back().written[event.line - runs.back().begin] = std::string(out.data(), out.size());
+        const bool is_changed =
+            keeps && (out.size() != line.size() || std::memcmp(out.data(), line.data(), line.size()) != 0);
+        if (is_changed && event.is_call) refuse("the block would change: put the call alone in its block");
+        if (is_changed) runs.back().written[event.line - runs.back().begin] = std::string(out.data(), out.size());
+        if (event.is_call) begin_call();
         out.clear();
         break;
       }

@@ -177,6 +177,14 @@ void Variables::ForgetLocals() {
   }
 }
 
+void Variables::TakeLocals(const Variables& caller) {
+  constexpr int64_t kLastArgument = 30;
+  for (const auto& [name, value] : caller.values_) {
+    const bool is_named = name[0] == '#' && name[1] == '<';
+    if (is_named ? name[2] != '_' : std::strtoll(name.c_str() + 1, nullptr, 10) <= kLastArgument) values_[name] = value;
+  }
+}
+
 const char* EndOfVariable(const char* at, const char* end, const Dialect& dialect, std::string* name) {
   name->clear();
   if (at == end) return nullptr;

@@ -21,6 +21,8 @@ class Variables {
   void ForgetOfCycles();
   // Those that belong to one macro or subprogram: #1 to #33, #<name>.
   void ForgetLocals();
+  // Those of LinuxCNC that a subprogram leaves to its caller as they were: #1 to #30, and names without '_' in front.
+  void TakeLocals(const Variables& caller);
 
  private:
   std::map<std::string, double> values_;

@@ -11,6 +11,7 @@
 
 #include "core/base/ids.h"
 #include "core/nc/options.h"
+#include "core/nc/stated_options.h"
 
 namespace axiscal::records {
 
@@ -54,9 +55,12 @@ struct CompensateParams {
   std::optional<CalibrationId> calibration;  // nothing: the machine's approved one. A candidate must be named.
   Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();  // nominal tool point at home, machine frame
   nc::RewriteOptions options;                             // its `calibration` and `source_crc32` are set by the job
-  std::optional<double> time_s;                           // when the program will run, of the sessions' clock
+  nc::OpenOptions open{};        // of these what the machine's profile may say; lists that are empty, too
+  bool without_profile = false;  // the machine's profile says nothing of what is open
+  std::string of_profile{};      // what the service took from it, in the names of options; set by the service
+  std::optional<double> time_s;  // when the program will run, of the sessions' clock
   std::optional<double> temperature_celsius;
-  bool tables_are_off = false;  // of the control: those that were handed out of this calibration
+  bool tables_are_off = false;  // of the control: those that were handed out of calibrations of this machine
 };
 
 using JobParams = std::variant<IdentifyParams, CompensateParams, CloseLoopParams, ToolSetterParams>;

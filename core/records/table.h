@@ -25,6 +25,7 @@ struct TableParams {
 
 // A table that a control may have: the newest of its format that was made of a calibration.
 struct HandedTable {
+  CalibrationId calibration;
   std::string format, handed_to;
   base::UtcTime handed_at;
 };

@@ -155,6 +155,32 @@ TEST(JobParamsOnTheWire, ComeBack) {
   EXPECT_EQ(Serialize(*back), Serialize(params));
 }
 
+TEST(JobParamsOnTheWire, WhatIsLeftToTheProfileIsUnset) {
+  records::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = ProgramId(4);
+  params.open = {true, true, true, true, true, true};
+  params.of_profile = "--offset G54";
+  const v1::CompensateParams message = ToProto(params);
+  EXPECT_EQ(message.tool_tip_mm_size(), 0);
+  EXPECT_FALSE(message.options().has_dialect() || message.options().has_decimals_mm() ||
+               message.options().has_decimals_inch());
+  EXPECT_EQ(message.options().integer_words(), v1::INTEGER_WORDS_UNSPECIFIED);
+  EXPECT_EQ(message.options().block_delete(), v1::BLOCK_DELETE_UNSPECIFIED);
+  const auto back = FromProto(message, true);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(back->open.tool_tip && back->open.dialect && back->open.integer_words && back->open.decimals &&
+              back->open.block_delete);
+  EXPECT_EQ(back->of_profile, "--offset G54");
+  params.open = {};
+  params.without_profile = true;
+  const auto stated = FromProto(ToProto(params), true);
+  ASSERT_TRUE(stated.ok()) << stated.status();
+  EXPECT_FALSE(stated->open.tool_tip || stated->open.dialect || stated->open.integer_words || stated->open.decimals ||
+               stated->open.block_delete);
+  EXPECT_TRUE(stated->without_profile);
+}
+
 TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
   EXPECT_EQ(FieldOf(FromProto(v1::JobParams()).status()), "kind");
   v1::JobParams identify;
@@ -168,7 +194,14 @@ TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
   v1::JobParams compensate;
   compensate.mutable_compensate()->set_machine_id("mt");
   compensate.mutable_compensate()->set_program_id(1);
+  // The machine's profile may state it, where it is asked.
+  EXPECT_TRUE(FromProto(compensate).ok());
+  compensate.mutable_compensate()->set_without_profile(true);
   EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.tool_tip_mm");
+  compensate.mutable_compensate()->clear_without_profile();
+  compensate.mutable_compensate()->add_tool_tip_mm(0.0);
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.tool_tip_mm");
+  compensate.mutable_compensate()->clear_tool_tip_mm();
   for (const double value_mm : {0.0, std::nan(""), -350.0}) compensate.mutable_compensate()->add_tool_tip_mm(value_mm);
   EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.tool_tip_mm[1]");
   compensate.mutable_compensate()->set_tool_tip_mm(1, 0);

@@ -141,6 +141,28 @@ absl::StatusOr<records::JobParams> ToolSetterFromProto(const v1::ToolSetterParam
                                    message.fit_pitch()};
 }
 
+// What a message leaves to the machine's profile, and the other way round.
+nc::OpenOptions OpenOf(const v1::CompensateParams& message) {
+  const v1::RewriteOptions& options = message.options();
+  nc::OpenOptions open;
+  open.tool_tip = message.tool_tip_mm_size() == 0;
+  open.dialect = !options.has_dialect();
+  open.integer_words = options.integer_words() == v1::INTEGER_WORDS_UNSPECIFIED;
+  open.decimals = !options.has_decimals_mm() && !options.has_decimals_inch();
+  open.block_delete = options.block_delete() == v1::BLOCK_DELETE_UNSPECIFIED;
+  return open;
+}
+
+void LeaveOpen(const nc::OpenOptions& open, v1::RewriteOptions* options) {
+  if (open.dialect) options->clear_dialect();
+  if (open.integer_words) options->clear_integer_words();
+  if (open.decimals) {
+    options->clear_decimals_mm();
+    options->clear_decimals_inch();
+  }
+  if (open.block_delete) options->clear_block_delete();
+}
+
 }  // namespace
 
 v1::CompensateParams ToProto(const records::CompensateParams& params) {
@@ -148,8 +170,12 @@ v1::CompensateParams ToProto(const records::CompensateParams& params) {
   message.set_machine_id(params.machine.text());
   if (params.program.number() > 0) message.set_program_id(params.program.number());
   if (params.calibration) message.set_calibration_id(params.calibration->number());
-  for (const double value_mm : params.tool_tip_mm) message.add_tool_tip_mm(value_mm);
   *message.mutable_options() = ToProto(params.options);
+  if (!params.open.tool_tip)
+    for (const double value_mm : params.tool_tip_mm) message.add_tool_tip_mm(value_mm);
+  LeaveOpen(params.open, message.mutable_options());
+  message.set_without_profile(params.without_profile);
+  message.set_of_profile(params.of_profile);
   if (params.time_s) message.set_time_s(*params.time_s);
   if (params.temperature_celsius) message.set_temperature_celsius(*params.temperature_celsius);
   message.set_tables_are_off(params.tables_are_off);
@@ -167,10 +193,13 @@ absl::StatusOr<records::CompensateParams> FromProto(const v1::CompensateParams& 
     RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
     params.calibration = CalibrationId(message.calibration_id());
   }
-  if (message.tool_tip_mm_size() != 3) {
+  params.without_profile = message.without_profile();
+  params.of_profile = message.of_profile();
+  params.open = OpenOf(message);
+  if (message.tool_tip_mm_size() != 3 && (!params.open.tool_tip || params.without_profile)) {
     return FieldError("tool_tip_mm", absl::StrCat(message.tool_tip_mm_size(), " numbers, must be 3"));
   }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < message.tool_tip_mm_size(); ++i) {
     RETURN_IF_ERROR(RequireFinite(absl::StrCat("tool_tip_mm[", i, "]"), message.tool_tip_mm(i)));
     params.tool_tip_mm[i] = message.tool_tip_mm(i);
   }

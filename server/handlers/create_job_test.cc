@@ -83,5 +83,62 @@ TEST_F(CreateJobTest, WhatIsHeldIsCheckedBeforeAnythingRuns) {
   EXPECT_EQ(ListJobs(core, call, Parse<v1::ListJobsRequest>("state: JOB_STATE_QUEUED"))->jobs_size(), 1);
 }
 
+// A program is read as the machine's profile says, where the request says nothing else.
+TEST_F(CreateJobTest, ACompensationTakesWhatIsOpenFromTheMachinesProfile) {
+  const auto program = database->BeginProgram({"nc", "O1", {"tester", "p"}});
+  ASSERT_TRUE(program.ok() && database->AppendProgram(program->id, 0, "G01").ok());
+  ASSERT_TRUE(database->FinishProgram(program->id, 3, "").ok());
+  const auto calibration = database->CreateCalibration(storage::TestCalibration(database.clock.UtcNow(), 1.0));
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  auto request = Parse<v1::CreateJobRequest>(R"(request_id: "c-1" params { compensate {
+    machine_id: "mt" options {
+      decimals_mm: 3 work_offsets { code: "G54" offsets { axis: "X" value_mm_or_rad: 9 } } } } })");
+  v1::CompensateParams& compensate = *request.mutable_params()->mutable_compensate();
+  compensate.set_program_id(program->id.number());
+  compensate.set_calibration_id(calibration->id.number());
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request).status()), "params.compensate.tool_tip_mm");
+  const auto describe = [&](const std::string& programs) {
+    std::string json = kMachineJson;
+    json.insert(json.rfind('}'), ", \"programs\": " + programs);
+    return database->UpdateMachine(MachineId("mt"), 0, json, {"tester", ""}).status();
+  };
+  ASSERT_TRUE(describe(R"({"tool_tip": "0 0 -100", "dialect": "haas", "unit": "inch", "decimals": "4",
+    "offsets": ["G54 X=1", "G55 C=90"], "tool_lengths": ["H7=120.5"], "harmless_m": "47"})")
+                  .ok());
+  const auto job = CreateJob(core, call, request);
+  ASSERT_TRUE(job.ok()) << job.status();
+  const v1::CompensateParams& taken = job->job().params().compensate();
+  EXPECT_EQ(taken.of_profile(), "--tool-tip, --dialect, --unit, --harmless-m, --offset G55, --tool-length 7");
+  ASSERT_EQ(taken.tool_tip_mm_size(), 3);
+  EXPECT_EQ(taken.tool_tip_mm(2), -100);
+  EXPECT_EQ(taken.options().dialect(), "haas");
+  EXPECT_EQ(taken.options().unit(), v1::PROGRAM_UNIT_INCH);
+  EXPECT_EQ(taken.options().decimals_mm(), 3);
+  ASSERT_EQ(taken.options().work_offsets_size(), 2);
+  EXPECT_EQ(taken.options().work_offsets(0).offsets(0).value_mm_or_rad(), 9);
+  EXPECT_EQ(taken.options().tool_lengths(0).length_mm(), 120.5);
+  EXPECT_EQ(taken.options().harmless_m(0), 47);
+
+  // Of what the service says it took, the caller's word counts for nothing.
+  request.set_request_id("c-2");
+  compensate.set_without_profile(true);
+  compensate.set_of_profile("--dialect");
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request).status()), "params.compensate.tool_tip_mm");
+  for (const double value : {0.0, 0.0, -90.0}) compensate.add_tool_tip_mm(value);
+  const auto alone = CreateJob(core, call, request);
+  ASSERT_TRUE(alone.ok()) << alone.status();
+  EXPECT_EQ(alone->job().params().compensate().of_profile(), "");
+  EXPECT_EQ(alone->job().params().compensate().options().work_offsets_size(), 1);
+
+  request.set_request_id("c-3");
+  compensate.set_without_profile(false);
+  ASSERT_TRUE(describe(R"({"offsets": ["G54 W=1"]})").ok());
+  const absl::Status wrong = CreateJob(core, call, request).status();
+  EXPECT_EQ(base::ErrorReason(wrong), "PROFILE_INVALID");
+  EXPECT_NE(wrong.message().find("programs.offsets: 'W=1'"), std::string::npos) << wrong;
+  ASSERT_TRUE(describe(R"({"offsets": ["G54 X=1 Y=2"]})").ok());
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request).status()), "params.compensate.options");
+}
+
 }  // namespace
 }  // namespace axiscal::handlers

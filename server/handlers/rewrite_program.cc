@@ -4,7 +4,6 @@
 #include "core/base/error_detail.h"
 #include "proto/convert/field.h"
 #include "proto/convert/program.h"
-#include "server/inputs/calibration_use.h"
 
 namespace axiscal::handlers {
 
@@ -27,6 +26,8 @@ absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header)
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + machine.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
   }
+  params = inputs::WithProfile(core_.database, *std::move(params), "header.params");
+  RETURN_IF_ERROR(params.status());
   ASSIGN_OR_RETURN(inputs::Compensation compensation,
                    inputs::CompensationFor(core_.database, *params, "header.params.calibration_id"));
   compensation_.emplace(std::move(compensation));
@@ -79,8 +80,7 @@ absl::Status RewriteProgramStream::End() {
   RETURN_IF_ERROR(rewriter_->Finish());
   if (!response_.data().empty()) RETURN_IF_ERROR(SendData());
   nc::RewriteReport report = rewriter_->report();
-  for (std::string& note : inputs::NotesOnInseparableErrors(compensation_->calibration))
-    report.notes.push_back(std::move(note));
+  report.notes.insert(report.notes.end(), compensation_->notes.begin(), compensation_->notes.end());
   v1::RewriteProgramResult& result = *response_.mutable_result();
   result.set_size_bytes(sent_);
   result.set_crc32c(sent_crc32c_);

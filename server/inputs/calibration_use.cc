@@ -56,23 +56,30 @@ absl::Status CheckUsable(storage::Database& database, const records::Calibration
                      {"CALIBRATION_EMPTY", {}});
 }
 
-absl::Status CheckTables(storage::Database& database, CalibrationId calibration, bool are_off) {
+absl::Status CheckTables(storage::Database& database, const records::CalibrationRecord& calibration, bool are_off) {
   if (are_off) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const std::vector<records::HandedTable> tables, database.ListHandedTables(calibration));
+  const MachineId& machine = calibration.content.machine;
+  ASSIGN_OR_RETURN(std::vector<records::HandedTable> tables, database.ListHandedTables(machine));
   if (tables.empty()) return absl::OkStatus();
+  std::stable_sort(tables.begin(), tables.end(), [](const records::HandedTable& a, const records::HandedTable& b) {
+    return a.handed_at > b.handed_at;
+  });
+  constexpr size_t kMostNamed = 10;  // a text that is still read
   std::string text;
-  for (const records::HandedTable& table : tables) {
+  for (size_t i = 0; i < std::min(tables.size(), kMostNamed); ++i) {
     absl::StrAppend(
-        &text, text.empty() ? "" : ", ", table.format, " on ",
-        absl::FormatTime("%Y-%m-%d", absl::FromUnixMicros(base::ToUtcUs(table.handed_at)), absl::UTCTimeZone()), " to ",
-        table.handed_to);
+        &text, text.empty() ? "" : ", ", tables[i].format, " of calibration ", tables[i].calibration.number(), " on ",
+        absl::FormatTime("%Y-%m-%d", absl::FromUnixMicros(base::ToUtcUs(tables[i].handed_at)), absl::UTCTimeZone()),
+        " to ", tables[i].handed_to);
   }
-  return base::Error(
-      absl::StatusCode::kFailedPrecondition,
-      absl::StrCat("compensation tables of calibration ", calibration.number(), " were handed out (", text,
-                   "): a control that uses one corrects already what the program would. Take it out of "
-                   "the control and state --tables-off (tables_are_off), or leave the program as it is"),
-      {"TABLE_HANDED_OUT", {}});
+  if (tables.size() > kMostNamed) absl::StrAppend(&text, " and ", tables.size() - kMostNamed, " older ones");
+  return base::Error(absl::StatusCode::kFailedPrecondition,
+                     absl::StrCat("compensation tables of machine ", machine.text(), " were handed out (", text,
+                                  "): a control that uses one corrects errors already that the program by calibration ",
+                                  calibration.id.number(),
+                                  " would correct again. Take it out of the control or switch it off there, "
+                                  "and state --tables-off (tables_are_off), or leave the program as it is"),
+                     {"TABLE_HANDED_OUT", {}});
 }
 
 std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {

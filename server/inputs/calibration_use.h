@@ -19,9 +19,10 @@ absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const r
 // combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
 absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration);
 
-// OK if no control has a table of the calibration, or `are_off` says that it does not use it: programs that it corrects
-// would be corrected twice. FAILED_PRECONDITION TABLE_HANDED_OUT naming the tables.
-absl::Status CheckTables(storage::Database& database, CalibrationId calibration, bool are_off);
+// OK if the control of the calibration's machine has no table of any of its calibrations, or `are_off` says that it
+// uses none: programs that `calibration` corrects would be corrected twice. FAILED_PRECONDITION TABLE_HANDED_OUT naming
+// the newest tables, of which calibration each is, when and to whom it went, and what to state.
+absl::Status CheckTables(storage::Database& database, const records::CalibrationRecord& calibration, bool are_off);
 
 // Where the sessions could not separate some errors, the model holds their sum as one of them. That is right at poses
 // like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users

@@ -70,7 +70,7 @@ absl::Status CheckCompensate(storage::Database& database, const records::Compens
   }
   ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
                    CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id"));
-  return CheckTables(database, calibration.id, params.tables_are_off);
+  return CheckTables(database, calibration, params.tables_are_off);
 }
 
 absl::StatusOr<identify::HeldErrors> HeldCalibration(storage::Database& database, const machine::Machine& machine,

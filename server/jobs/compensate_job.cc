@@ -2,7 +2,6 @@
 
 #include "core/nc/rewrite.h"
 #include "proto/convert/job_params.h"
-#include "server/inputs/calibration_use.h"
 #include "server/inputs/compensation.h"
 
 namespace axiscal::jobs {
@@ -82,7 +81,7 @@ absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, c
   RETURN_IF_ERROR(nc::RewriteProgram(
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensation.compensator,
       compensation.options, &report));
-  for (std::string& note : inputs::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
+  report.notes.insert(report.notes.end(), compensation.notes.begin(), compensation.notes.end());
   ASSIGN_OR_RETURN(const records::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = reports::ToJson(nc::ReportOf(report));

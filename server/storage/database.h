@@ -302,10 +302,12 @@ class Database {
   virtual absl::StatusOr<Page<Mark>> ListMarks(const MachineId& machine, const PageRequest& page) = 0;
 
   // ---- compensation tables that controls may have
-  // A table of the calibration was handed out to the caller; the newest of a format stands for those before.
+  // A table of the calibration was handed out to the caller; the newest of a format stands for those before. NOT_FOUND
+  // CALIBRATION_NOT_FOUND.
   virtual absl::Status NoteHandedTable(CalibrationId calibration, const std::string& format, const Caller& caller) = 0;
-  // By name of the format.
-  virtual absl::StatusOr<std::vector<HandedTable>> ListHandedTables(CalibrationId calibration) = 0;
+  // Of all calibrations of the machine, retired ones too: in their order, those of one by name of the format.
+  // NOT_FOUND MACHINE_NOT_FOUND.
+  virtual absl::StatusOr<std::vector<HandedTable>> ListHandedTables(const MachineId& machine) = 0;
 
   // ---- cells beside machines
   // The newest report of a machine and name stands for those before. RESOURCE_EXHAUSTED TOO_MANY_CELLS: 16 of a

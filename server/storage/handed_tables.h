@@ -10,7 +10,7 @@ namespace axiscal::storage {
 // As Database has them.
 absl::Status NoteHandedTable(Connection& connection, UtcTime now, CalibrationId calibration, const std::string& format,
                              const Caller& caller);
-absl::StatusOr<std::vector<HandedTable>> ListHandedTables(Connection& connection, CalibrationId calibration);
+absl::StatusOr<std::vector<HandedTable>> ListHandedTables(Connection& connection, const MachineId& machine);
 
 }  // namespace axiscal::storage
 

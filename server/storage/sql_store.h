@@ -313,8 +313,8 @@ class SqlStore final : public Database {
   absl::Status NoteHandedTable(CalibrationId calibration, const std::string& format, const Caller& caller) override {
     return writer_.Run([&](Connection& c) { return storage::NoteHandedTable(c, Now(), calibration, format, caller); });
   }
-  absl::StatusOr<std::vector<HandedTable>> ListHandedTables(CalibrationId calibration) override {
-    return readers_.Run([&](Connection& c) { return storage::ListHandedTables(c, calibration); });
+  absl::StatusOr<std::vector<HandedTable>> ListHandedTables(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::ListHandedTables(c, machine); });
   }
 
   // ---- cells

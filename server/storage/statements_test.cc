@@ -170,7 +170,7 @@ void CallAll(TempDatabase& database, SessionId stored) {
   ASSERT_TRUE(put.ok()) << put.status();
   ASSERT_TRUE(database->ListMarks(mt, {}).ok());
   ASSERT_TRUE(database->NoteHandedTable(CalibrationId(1), "general", Cell("")).ok());
-  ASSERT_TRUE(database->ListHandedTables(CalibrationId(1)).ok());
+  ASSERT_TRUE(database->ListHandedTables(mt).ok());
   CellReport report;
   report.machine = mt;
   report.name = "seven";

@@ -1259,6 +1259,26 @@ class Program(Writer):
             return "%s=%s" % (axis, out)
         return "%s%s" % (axis, out if out == name(terms[0][0]) else "[%s]" % out)
 
+    def f_o_arguments(self):
+        """A subprogram of LinuxCNC that goes where its arguments say."""
+        rng = self.rng
+        if self.dialect != "linuxcnc" or self.g93 or self.incremental:
+            return
+        self.sub_number += 1
+        number, part = self.sub_number, round(rng.uniform(-9, 9), 2)
+        self.tail += ["O%d sub" % number, "G1 X#1 Y[#2+%.2f] F500" % part, "O%d endsub" % number]
+        for _ in range(rng.choice([1, 2, 3])):
+            wants = {a: round((rng_value(rng, *RANGE[a]) - self.offset(a)) / self.scale(a), 3) for a in ("X", "Y")}
+            first, second = "%.3f" % wants["X"], "%.3f" % (wants["Y"] - part)
+            if rng.random() < 0.3:
+                self.lines.append("#7=%s" % first)
+                first = rng.choice(["#7", "#7+0.5-0.5"])
+            self.lines.append("O%d call [%s] [%s]" % (number, first, second))
+            for axis, want in wants.items():
+                self.m[axis] = want * self.scale(axis) + self.offset(axis)
+            self.motion = self.feed = None
+        self.restate()
+
     def f_file(self):
         """A subprogram in a file of its own, called once or twice."""
         rng, d = self.rng, self.dialect
@@ -1531,7 +1551,10 @@ class Program(Writer):
             return "O%d call" % number
         if self.rng.random() < 0.15:
             return "G65 P%d%s A1." % (number, repeats)
-        return "M98 P%d%s" % (number, repeats)
+        modes = ""
+        if self.rng.random() < 0.25 and not self.incremental:
+            modes = "G90 " + (self.wcs + " " if self.wcs in ("G54", "G55", "G56", "G57", "G58", "G59") and self.rng.random() < 0.5 else "")
+        return "%sM98 P%d%s" % (modes, number, repeats)
 
     def r_macro(self):
         rng = self.rng
@@ -1721,7 +1744,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("shift", 1),
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("o_arguments", 0.7), ("shift", 1),
              ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5), ("expression", 1), ("file", 1), ("orivect", 1)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("pattern", 1), ("polar", 0.7), ("kinematics", 1), ("malformed", 1.5),

@@ -33,7 +33,7 @@ class Iso(Control):
         self.motion = 1
         self.plane = 17
         self.centre_absolute = False
-        self.variables = {}
+        self.variables, self.arguments = {}, {}
         self.cycle = None
         self.cycle_r = self.cycle_z = self.cycle_level = None
         self.return_level = 99 if dialect == "linuxcnc" else 98  # rs274 of 2.9 begins at the R level
@@ -108,7 +108,9 @@ class Iso(Control):
             if what == "goto":
                 pc = where
             elif what == "call":
-                stack.append([pc, where, times, self.line])
+                stack.append([pc, where, times, self.line, dict(self.variables)])
+                self.variables.update(self.arguments)
+                self.arguments = {}
                 pc = where + 1
             elif what == "return":
                 if not stack:
@@ -117,7 +119,11 @@ class Iso(Control):
                 if stack[-1][2] > 0:
                     pc = stack[-1][1] + 1
                 else:
-                    pc = stack.pop()[0]
+                    frame = stack.pop()
+                    pc = frame[0]
+                    if self.dialect == "linuxcnc":  # #1 to #30 are the caller's again
+                        self.variables = {name: value for name, value in self.variables.items() if not isinstance(name, int) or name > 30}
+                        self.variables.update((name, value) for name, value in frame[4].items() if isinstance(name, int) and name <= 30)
             elif what == "over":  # a LinuxCNC subprogram's text is read over
                 while (pc < end or main <= pc < len(body)) and not re.match(r"\s*O\s*%d\s*ENDSUB" % where, body[pc][0], re.I):
                     pc += 1
@@ -267,6 +273,8 @@ class Iso(Control):
                 other.append(word)
         call = self.call_of(g, m, other)
         if call:  # its other words are the control's and the macro's
+            if 98 in m and g:  # what states modes acts first
+                self.execute(g, [], {}, [])
             return call
         if foreign:
             raise Alarm("no axis " + foreign)
@@ -300,6 +308,7 @@ class Iso(Control):
                     self.code("call", number)
                     self.lose(self.axes)
                     return None
+                self.arguments = {i + 1: self.evaluate(text) for i, text in enumerate(re.findall(r"\[([^\[\]]+)\]", rest))}
                 return ("call", self.subs[number], 1)
             if rest:
                 raise Alarm("words behind O%d: %s" % (number, rest))

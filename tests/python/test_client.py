@@ -228,6 +228,16 @@ class Jobs(WithServer):
         self.assertGreater(report.tool_point_error.before.max_um, 1000)
         self.assertLess(report.tool_point_error.after.max_um, 1)
         self.assertGreater(report.correction["Z"].max_um, 1000)
+        # What the machine's profile says need not be said again.
+        profile = ("--server", self.server.address, "machine", "profile", "put", server.MACHINE)
+        server.axiscal(*profile, "--dialect", "fanuc", "--unit", "mm", "--tool-tip", " ".join(map(str, TIP)))
+        third = self.folder / "profile.nc"
+        report = self.client.compensate_file(server.MACHINE, PROGRAM, third, calibration=number, max_correction_um=5000)
+        self.assertEqual(third.read_bytes(), other.read_bytes())
+        self.assertIn("of the machine's profile: --tool-tip, --dialect, --unit", report.notes)
+        with self.assertRaisesRegex(axiscal.InvalidArgument, "tool_tip_mm"):
+            self.client.compensate_file(server.MACHINE, PROGRAM, third, calibration=number, max_correction_um=5000, without_profile=True)
+        server.axiscal(*profile)
         # Refused: the correction is too large without a word. What was there stays, and nothing lies about.
         before = sorted(path.name for path in self.folder.iterdir())
         with self.assertRaises(axiscal.FailedPrecondition):

@@ -309,15 +309,17 @@ class Client(Watching):
 
     # ---- programs
 
-    def compensate_file(self, machine: str, source: PathLike, target: PathLike, tool_tip_mm: Sequence[float], *,
+    def compensate_file(self, machine: str, source: PathLike, target: PathLike, tool_tip_mm: Optional[Sequence[float]] = None, *,
                         calibration: Optional[int] = None, unit: Optional[str] = None, dialect: Optional[str] = None,
                         max_correction_um: Optional[float] = None, on_unsupported: str = "refuse", time_s: Optional[float] = None,
-                        temperature_celsius: Optional[float] = None, tables_are_off: bool = False,
+                        temperature_celsius: Optional[float] = None, tables_are_off: bool = False, without_profile: bool = False,
                         options: Optional[job_pb2.RewriteOptions] = None) -> reports.Rewrite:
         """Writes `target`, the NC program of `source` corrected for the machine's approved calibration or a named one; nothing is stored.
 
-        tool_tip_mm: the nominal tool point at home, machine frame. unit: "mm" or "inch" of a program that does not state it.
-        tables_are_off: the control does not use the tables that were handed out of this calibration, without which it is refused. options: all else
+        tool_tip_mm: the nominal tool point at home, machine frame. unit: "mm" or "inch" of a program that does not state it. What is not stated here,
+        tool_tip_mm and options too, the profile of the machine says (`programs` of its description), but without_profile; a note of the report says
+        what that was.
+        tables_are_off: the control uses none of the tables that were handed out of this machine's calibrations, without which it is refused. options: all else
         of axiscal.v1.job_pb2.RewriteOptions. FailedPrecondition with line and reason where a block cannot be corrected; then, as with any other
         error, `target` stays as it was.
         """
@@ -335,7 +337,8 @@ class Client(Watching):
             rewrite.dialect = dialect
         if max_correction_um is not None:
             rewrite.max_correction_mm = max_correction_um * MM_PER_UM
-        params = job_pb2.CompensateParams(machine_id=machine, tool_tip_mm=[float(value) for value in tool_tip_mm], options=rewrite)
+        tip = () if tool_tip_mm is None else [float(value) for value in tool_tip_mm]
+        params = job_pb2.CompensateParams(machine_id=machine, tool_tip_mm=tip, options=rewrite, without_profile=without_profile)
         if calibration is not None:
             params.calibration_id = calibration
         if time_s is not None:

@@ -455,8 +455,8 @@ const kTexts = {
     "Keine Kalibrierung von {machine} ist in Gebrauch. Wählen Sie oben einen Kandidaten oder lassen Sie zuerst eine in Gebrauch nehmen.",
   ],
   fromProfile: [
-    "Filled in from the machine's description. Offsets and tools that it states are not taken by this page: axiscal compensate takes them.",
-    "Ausgefüllt aus der Maschinenbeschreibung. Nullpunkte und Werkzeuge darin nimmt diese Seite nicht: axiscal compensate nimmt sie.",
+    "Filled in from the machine's description. The server takes offsets, tools and all else that it states, too; the result says what that was.",
+    "Ausgefüllt aus der Maschinenbeschreibung. Auch Nullpunkte, Werkzeuge und alles Weitere darin nimmt der Server; das Ergebnis sagt, was das war.",
   ],
   tipHelp: [
     "Where the tip of the tool stands when all axes are at 0. Z is most often minus the distance from the spindle's reference point to the tip. Ask whoever measured the machine: it stands in the head of each session file (tool_tip_mm).",

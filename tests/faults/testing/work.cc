@@ -196,7 +196,7 @@ std::string Lost(Database& database, const Told& told) {
   const auto approved = database.GetApprovedCalibration(MachineId("new"));
   expect("approve", approved.ok());
   if (told.contains("table")) {
-    const auto tables = database.ListHandedTables(calibrations->rows.back().id);
+    const auto tables = database.ListHandedTables(MachineId("new"));
     expect("table", tables.ok() && tables->size() == 1);
   }
   return lost;
@@ -222,8 +222,8 @@ void LookAfter(const std::string& path, const Told& told, const std::string& wha
   }
   std::filesystem::remove(path + ".copy");
   Work(path, [&](const std::string& step) { all.insert(step); });
-  for (const char* const step : {"open", "finish", "program", "approve", "table", "abort", "role", "revoke", "mark",
-                                 "expire", "backup"})
+  for (const char* const step :
+       {"open", "finish", "program", "approve", "table", "abort", "role", "revoke", "mark", "expire", "backup"})
     EXPECT_TRUE(all.contains(step)) << what << ": " << step << " fails afterwards";
   const auto report = CheckStoreFile(path);
   ASSERT_TRUE(report.ok()) << what << ": " << report.status();
