@@ -145,6 +145,9 @@ absl::Status SeeByDirection(const machine::Machine& machine, const MeasuringRun&
 absl::StatusOr<AxisSeen> SeenOf(const machine::Machine& machine, const MeasuringRun& run, int axis,
                                 const std::vector<Stop>& stops) {
   const bool is_linear = machine.axes[axis].kind == machine::AxisKind::kLinear;
+  if (!run.targets.of_reading.empty())
+    return absl::InvalidArgumentError(
+        "figures are known of a tracker that stands and sees one target, not of a session with a column target");
   AxisSeen seen;
   seen.measured_mm.resize(run.row_count, static_cast<Eigen::Index>(stops.size()));
   seen.stated_mm.assign(run.stated.size(), Eigen::MatrixXd::Zero(run.row_count, seen.measured_mm.cols()));

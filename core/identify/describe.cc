@@ -185,6 +185,8 @@ std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, con
   for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : FindExpired(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : FindTwoClocks(solved.problem, result)) warnings.push_back(std::move(warning));
+  for (reports::WarningFacts& warning : FindMoved(solved.problem, solved.solution.point, judgement.covariance))
+    warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
   // Set-up offsets of which nothing is known beforehand take a reading each as errors do.

@@ -1,5 +1,6 @@
 #include "core/identify/fit_warnings.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +9,7 @@
 #include "core/identify/plausible_errors.h"
 #include "core/instruments/clock.h"
 #include "core/instruments/resolution.h"
+#include "core/instruments/tracker/tracker_model.h"
 #include "core/shapes/depends_on.h"
 
 namespace axiscal::identify {
@@ -78,6 +80,45 @@ std::vector<reports::WarningFacts> FindTwoClocks(const Problem& problem, const R
   }
   if (errors.empty()) return {};
   return {reports::TwoClocks{overlap->first, overlap->second, std::move(errors)}};
+}
+
+std::vector<reports::WarningFacts> FindMoved(const Problem& problem, const Point& point, const Covariance& covariance) {
+  constexpr double kSurely = 4.0;
+  std::vector<reports::WarningFacts> warnings;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const instruments::MeasuringRun& run = problem.runs[i];
+    const auto g = static_cast<size_t>(problem.group_of_run[i]);
+    const Eigen::Index first = tracker::FirstMove(run.targets);
+    if (run.targets.Moves() == 0) continue;
+    reports::TrackerMoved most;
+    const Eigen::Vector3d middle_mm = run.measured_mm.rowwise().mean();
+    for (int move = 0; move < run.targets.Moves(); ++move) {
+      const Eigen::Index at = first + tracker::kPoseOffsets * Eigen::Index{move};
+      const Eigen::Matrix<double, 6, 1> moved = point.setup[g].segment<6>(at);
+      Eigen::Matrix<double, 3, 6> by_pose;
+      by_pose << Eigen::Matrix3d::Identity(), Eigen::Vector3d::UnitX().cross(middle_mm),
+          Eigen::Vector3d::UnitY().cross(middle_mm), Eigen::Vector3d::UnitZ().cross(middle_mm);
+      const Eigen::Matrix<double, 6, 6> spread = covariance.setup[g].block<6, 6>(at, at);
+      const Eigen::Vector3d went_mm = by_pose * moved, turned_rad = moved.tail<3>();
+      const Eigen::Matrix3d spread_mm2 = by_pose * spread * by_pose.transpose();
+      // Along the way that it went.
+      const auto along = [](const Eigen::Vector3d& way, const Eigen::Matrix3d& of) {
+        return way.norm() > 0.0 ? std::sqrt(std::max(0.0, way.normalized().dot(of * way.normalized()))) : 0.0;
+      };
+      const double sigma_mm = along(went_mm, spread_mm2);
+      if (!(went_mm.norm() > kSurely * sigma_mm) || !(went_mm.norm() * base::kUmPerMm > most.moved_um)) continue;
+      most = {.session = run.session,
+              .references = static_cast<int>(run.targets.references.size()),
+              .looks = run.targets.Moves() + 1,
+              .moved_um = went_mm.norm() * base::kUmPerMm,
+              .sigma_um = sigma_mm * base::kUmPerMm,
+              .turned_urad = turned_rad.norm() * base::kUradPerRad,
+              .turn_sigma_urad = along(turned_rad, spread.bottomRightCorner<3, 3>()) * base::kUradPerRad,
+              .at_s = run.targets.looks_s[static_cast<size_t>(move) + 1]};
+    }
+    if (most.moved_um > 0.0) warnings.push_back(std::move(most));
+  }
+  return warnings;
 }
 
 namespace {

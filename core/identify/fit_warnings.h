@@ -27,6 +27,10 @@ std::vector<reports::WarningFacts> FindExpired(const Problem& problem);
 // Where sessions overlap in time and the model has errors that depend on it.
 std::vector<reports::WarningFacts> FindTwoClocks(const Problem& problem, const Result& result);
 
+// Trackers that their reference targets show to have moved: where what stands in the middle of the readings seemed to
+// go, at some look, by more than four standard uncertainties (chance: one in 16,000 for each of three directions).
+std::vector<reports::WarningFacts> FindMoved(const Problem& problem, const Point& point, const Covariance& covariance);
+
 // Errors and set-up offsets that are surely larger than a machine of this size can have, after its fit.
 std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const Result& result);
 

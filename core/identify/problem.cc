@@ -103,6 +103,11 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
     return refuse("the direction, expected the same about and reference in both");
   if (first.bar_length_mm != other.bar_length_mm)
     return differs("bar_length_mm", absl::StrCat(first.bar_length_mm), absl::StrCat(other.bar_length_mm));
+  const bool are_same_targets = std::equal(
+      first.targets.on_tool.begin(), first.targets.on_tool.end(), other.targets.on_tool.begin(),
+      other.targets.on_tool.end(),
+      [](const tracker::Target& a, const tracker::Target& b) { return a.name == b.name && a.point_mm == b.point_mm; });
+  if (!are_same_targets) return refuse("the targets, expected the same lines '# target NAME' in both");
   // Offsets of what the spindle carries belong to one tool.
   const bool has_tool_offset = std::any_of(first.setup.begin(), first.setup.end(), [](const auto& parameter) {
     return parameter.name.starts_with("run_out") || parameter.name.starts_with("target");

@@ -198,6 +198,12 @@ TEST(SharedSetup, TrackersOfOneSetUpHaveOneFrame) {
   EXPECT_EQ(check->problem.runs[0].tracker_from_machine.translation_mm,
             first->problem.runs[0].tracker_from_machine.translation_mm);
   EXPECT_EQ(check->point.setup[0], first->point.setup[0]);
+  // Another target on the tool is another set-up.
+  Session named = On("station", a);
+  named.header.push_back({"target A", "0 0 -150"});
+  named.columns.push_back({"target", {}, std::vector<std::string>(a.reading_count(), "A")});
+  EXPECT_THAT(std::string(FitSessions(kMachine, {named, On("station", b)}, Fitting(truth)).status().message()),
+              HasSubstr("but not the targets, expected the same lines '# target NAME' in both"));
 }
 
 // Without t_s no error may need a clock, and sessions with one stay apart from sessions without.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/base/demand.h"
@@ -94,17 +95,35 @@ bool NeedsAmplitudes(const machine::ErrorModel& model) {
   });
 }
 
+// Touches alone are far from linear in a set-up: the gap to a face that was touched near its middle changes with the
+// square of the artefact's turn, so that a turn and its opposite explain the readings alike.
+bool MayBeCurved(const Problem& problem) {
+  return std::any_of(problem.runs.begin(), problem.runs.end(),
+                     [](const MeasuringRun& run) { return run.kind == instruments::Kind::kTouch; });
+}
+
+// Set-ups alone, all errors as they start: an artefact that was mounted by hand stands millimetres from its nominal
+// place, where the derivatives of touches by errors are others by a third. From there one step with all errors may end
+// in another valley, such as that of an axis that goes the other way.
+std::vector<Eigen::VectorXd> SetupsAlone(const Problem& problem, const Point& start, const NullSpace& null_space,
+                                         const Options& options) {
+  NullSpace holding = null_space;
+  const size_t parameters = ListParameters(start.model, options.fit_nonlinear).size();
+  holding.fixed.resize(parameters);
+  std::iota(holding.fixed.begin(), holding.fixed.end(), 0);
+  Options quiet = options;
+  quiet.progress = nullptr;
+  const absl::StatusOr<Solution> found = Solve(problem, start, holding, quiet);
+  return found.ok() && found->has_converged ? found->point.setup : start.setup;
+}
+
 // Amplitudes first where there are non-linear parameters, then all. Bad readings are set aside between the two: they
-// would send a time constant where it does not come back from.
-absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
-                                   const Nominal& nominal, const NullSpace& null_space, const Options& options,
-                                   Problem* problem) {
-  Point start = StartingPoint(*problem, model);
-  if (!setup.empty()) start.setup = setup;
-  const bool is_nominal = setup.empty() && start.model.terms == nominal.point.model.terms;
-  const NormalEquations* at_start = is_nominal ? &nominal.normal : nullptr;
-  if (!HasNonlinear(model, options)) return Solve(*problem, start, null_space, options, at_start);
-  if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(*problem, start, null_space, options);
+// would send a time constant where it does not come back from. `is_given`: the set-ups of `start` are a solution's.
+absl::StatusOr<Solution> SolveInStages(const Point& start, bool is_given, const NormalEquations* at_start,
+                                       const Nominal& nominal, const NullSpace& null_space, const Options& options,
+                                       Problem* problem) {
+  if (!HasNonlinear(start.model, options)) return Solve(*problem, start, null_space, options, at_start);
+  if (is_given && !NeedsAmplitudes(start.model)) return Solve(*problem, start, null_space, options);
   Options amplitudes_only = options;
   amplitudes_only.fit_nonlinear = false;
   constexpr double kNear = 1e-2;  // only where the second fit starts
@@ -113,6 +132,31 @@ absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::
   std::vector<StandingOut> of_amplitudes;
   if (options.set_outliers_aside && first.has_converged) SetOutliersAside(first.residuals_mm, problem, &of_amplitudes);
   return Solve(*problem, first.point, null_space, options);
+}
+
+// From `setup`, or where it is empty from the nominal one. Of touches, where that was a curved way or none to a
+// minimum, from the set-ups alone too: the end of that way is taken unless the other fits better by more than chance
+// makes it.
+absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
+                                   const Nominal& nominal, const NullSpace& null_space, const Options& options,
+                                   Problem* problem) {
+  Point start = StartingPoint(*problem, model);
+  if (!setup.empty()) start.setup = setup;
+  const bool is_nominal = setup.empty() && start.model.terms == nominal.point.model.terms;
+  absl::StatusOr<Solution> found = SolveInStages(start, !setup.empty(), is_nominal ? &nominal.normal : nullptr, nominal,
+                                                 null_space, options, problem);
+  const bool is_straight = found.ok() && found->has_converged && !found->is_curved;
+  if (!setup.empty() || !MayBeCurved(*problem) || is_straight || absl::IsCancelled(found.status())) return found;
+  start.setup = SetupsAlone(*problem, start, null_space, options);
+  absl::StatusOr<Solution> other =
+      SolveInStages(start, /*is_given=*/false, nullptr, nominal, null_space, options, problem);
+  if (absl::IsCancelled(other.status())) return other;
+  constexpr double kByChance = 6.0;  // chi-square
+  const bool is_taken = other.ok() && other->has_converged &&
+                        (!found.ok() || !found->has_converged || other->cost < found->cost + kByChance);
+  if (!is_taken) return found;
+  other->is_curved = true;
+  return other;
 }
 
 absl::Status NotConverged(const Solution& solution) {
@@ -188,13 +232,6 @@ absl::Status FreeHeldErrors(const Options& options, SolvedProblem* solved) {
     solved->held = std::move(held);
   }
   return absl::OkStatus();
-}
-
-// Touches alone are far from linear in a set-up: the gap to a face that was touched near its middle changes with the
-// square of the artefact's turn, so that a turn and its opposite explain the readings alike.
-bool MayBeCurved(const Problem& problem) {
-  return std::any_of(problem.runs.begin(), problem.runs.end(),
-                     [](const MeasuringRun& run) { return run.kind == instruments::Kind::kTouch; });
 }
 
 // `from` with the turns of one set-up reversed, every combination of signs, for each set-up.

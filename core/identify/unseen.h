@@ -4,7 +4,8 @@
 // of a set-up is s, an error of size h along a direction n changes readings by
 //   s h d,   d = d(J n)/ds   (J: derivatives of the readings by the errors)
 // A beam that is askew by s reads s of what the axis does along it; a target that stands s lower has that much more of
-// the lever of an angle. Of h nothing is known but that it is an error of a machine, and the fit holds it at zero where
+// the lever of an angle. Of h nothing is known but that it is an error of a machine
+// (sigma_h is assumed: 100 um, urad, um/m ..., plausible_errors.h says why), and the fit holds it at zero where
 // the readings do not ask for it (gauge.h): by themselves, or because another error does the same there. What h does
 // moves the fitted errors as readings that are off by it do, with variances
 //   sigma_h^2             by J n at the solution, which holds what is known of s

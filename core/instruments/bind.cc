@@ -11,6 +11,7 @@
 #include "core/instruments/run.h"
 #include "core/instruments/stated.h"
 #include "core/instruments/touch/touch_bind.h"
+#include "core/instruments/tracker/tracker_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/redundant_facts.h"
 #include "core/session/column_rules.h"
@@ -31,7 +32,7 @@ class Binder {
   }
 
   absl::StatusOr<MeasuringRun> Bind(bool for_fit) {
-    RETURN_IF_ERROR(BindHeader());
+    RETURN_IF_ERROR(BindHeader(for_fit));
     if (run_.kind == Kind::kEccentricity) return BindPaths();
     RETURN_IF_ERROR(BindReadings());
     RETURN_IF_ERROR(BindPositions());
@@ -160,7 +161,7 @@ class Binder {
     return absl::OkStatus();
   }
 
-  absl::Status BindHeader() {
+  absl::Status BindHeader(bool for_fit) {
     run_.session = session::FindHeader(session_, "session").value_or("");
     ASSIGN_OR_RETURN(run_.session, Text("session"));
     ASSIGN_OR_RETURN(const std::string machine, Text("machine"));
@@ -188,6 +189,10 @@ class Binder {
     }
     if (run_.kind == Kind::kLength) RETURN_IF_ERROR(BindLength());
     if (run_.kind == Kind::kDirection) RETURN_IF_ERROR(BindDirection());
+    if (run_.kind == Kind::kTracker) {
+      const absl::Status targets = tracker::BindTargets(session_, for_fit && run_.readings_before == 0, &run_);
+      if (!targets.ok()) return Refuse(std::string(targets.message()));
+    }
     if (session::FindHeader(session_, "payload_kg")) {
       ASSIGN_OR_RETURN(const std::vector<double> payload, Numbers("payload_kg", 1));
       run_.payload_kg = payload[0];

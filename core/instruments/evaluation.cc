@@ -177,7 +177,7 @@ void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run,
     case Kind::kCentres:
       return centres::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
     case Kind::kTracker:
-      return tracker::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
+      return tracker::Predict<double>(machine, run, reading, positions, errors, setup, predicted_mm);
     case Kind::kTouch:
       return touch::Predict<double>(machine, run, reading, positions, errors, setup, predicted_mm);
     case Kind::kEccentricity:

@@ -109,7 +109,7 @@ void PredictJets(const Machine& machine, const MeasuringRun& run, const JointErr
     case Kind::kCentres:
       return centres::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
     case Kind::kTracker:
-      return tracker::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
+      return tracker::Predict<Jet>(machine, run, 0, positions.data(), errors, setup, out);
     case Kind::kTouch:
       return touch::Predict<Jet>(machine, run, 0, positions.data(), errors, setup, out);
     case Kind::kEccentricity:

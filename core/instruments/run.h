@@ -12,6 +12,7 @@
 #include "core/geometry/rigid.h"
 #include "core/instruments/eccentricity/eccentricity_run.h"
 #include "core/instruments/touch/touch_run.h"
+#include "core/instruments/tracker/tracker_run.h"
 #include "core/machine/machine.h"
 #include "core/session/session.h"
 #include "core/session/stated_facts.h"
@@ -29,8 +30,8 @@ inline constexpr int kMaxDatumAxes = 6;      // of one session
 // Weak prior of where a work offset that is set anew goes: wide beside what readings tell of it, narrow beside what
 // they leave open, which stays where it is. It judges nothing (SetupParameter::is_placed).
 inline constexpr double kDatumSigmaMm = 1.0;
-inline constexpr int kMaxDistortionAmplitudes = 128;  // of one session: four of the widest kinds
-inline constexpr int kMaxInstrumentParameters = 9;    // setup offsets that an instrument has itself
+inline constexpr int kMaxDistortionAmplitudes = 128;                    // of one session: four of the widest kinds
+inline constexpr int kMaxInstrumentParameters = tracker::kMostOffsets;  // setup offsets that an instrument has itself
 // Setup offsets of one session.
 inline constexpr int kMaxSetupParameters =
     kMaxInstrumentParameters + kMaxDatumAxes + kMaxDistortionAmplitudes + 3 * kMaxSlips;
@@ -125,6 +126,7 @@ struct MeasuringRun {
   Length length;                                 // length only
   Direction direction;                           // direction only
   touch::Touches touches;                        // touch only
+  tracker::Targets targets;                      // tracker only
   // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
   std::shared_ptr<const eccentricity::Eccentricities> path_readings;
   std::vector<SetupParameter> setup;

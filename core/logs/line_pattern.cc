@@ -175,7 +175,8 @@ absl::StatusOr<LinePattern> ParsePattern(const std::string& text) {
     Piece piece;
     piece.literal = Trimmed(text.substr(at, open - at));
     piece.field = text.substr(open + 1, close - open - 1);
-    piece.is_text = piece.field == "*" || piece.field == "feature" || piece.field == "run" || piece.field == "rod";
+    piece.is_text = piece.field == "*" || piece.field == "feature" || piece.field == "run" || piece.field == "rod" ||
+                    piece.field == "target";
     if (piece.field.empty()) return refuse("'{}' names no field");
     if (piece.field != "*" && !names.insert(piece.field).second)
       return refuse("field '" + piece.field + "' stands twice, expected once");

@@ -216,6 +216,7 @@ class Reducer {
   absl::Status FillMissing() {
     for (const session::ReadingColumn& column : format_->columns) {
       if (session::FindColumn(out_.session, column.name) != nullptr || rows_.FieldIndex(column.name) >= 0) continue;
+      if (column.is_optional && rows_.Planned(column.name) == nullptr) continue;
       ASSIGN_OR_RETURN(Column filled, Missing(column));
       out_.session.columns.push_back(std::move(filled));
     }

@@ -57,7 +57,9 @@ std::vector<MeasuringRun> SampleOf(const std::vector<MeasuringRun>& runs) {
   for (const MeasuringRun& run : runs) {
     const int n = std::min(count / kReadings, run.reading_count() / kFewestOfASession);
     MeasuringRun& some = sample.emplace_back(run);
-    if (n < 2 || run.path_readings != nullptr || !run.touches.approach_in_spindle.empty()) continue;
+    if (n < 2 || run.path_readings != nullptr || !run.touches.approach_in_spindle.empty() ||
+        !run.targets.of_reading.empty())
+      continue;
     KeepEvery(n, run.axis_count, &some.positions);
     KeepEvery(n, 1, &some.time_s);
     KeepEvery(n, 1, &some.temperature_celsius);

@@ -159,7 +159,7 @@ reports::Fitted FittedOf(const Report& found) {
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
     return warning.kind != reports::WarningKind::kResolution && warning.kind != reports::WarningKind::kDatum &&
            warning.kind != reports::WarningKind::kCertificate && warning.kind != reports::WarningKind::kClock &&
-           !reports::ComesFirst(warning.kind);
+           warning.kind != reports::WarningKind::kMoved && !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);

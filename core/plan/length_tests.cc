@@ -230,8 +230,10 @@ std::vector<PlannedSession> DistanceGrids(const Situation& situation) {
   return planned;
 }
 
+namespace {
+
 // Poses of the linear axes, then those of the head's axes one after the other. What turns with the table is not seen.
-std::vector<PlannedSession> TrackerGrids(const Situation& situation) {
+std::vector<std::vector<double>> TrackerPoses(const Situation& situation) {
   const Machine& machine = *situation.machine;
   std::vector<std::vector<double>> poses = LinearGrid(situation);
   if (poses.empty()) return {};
@@ -244,11 +246,70 @@ std::vector<PlannedSession> TrackerGrids(const Situation& situation) {
       poses.back()[axis] = way.lowest + (way.highest - way.lowest) * k / kHeadSteps;
     }
   }
-  session::Session session = SessionOf(situation, "tracker", "tracker", 5.0, {});
+  return poses;
+}
+
+constexpr double kTrackerSigmaUm = 5.0;
+
+}  // namespace
+
+std::vector<PlannedSession> TrackerGrids(const Situation& situation) {
+  const std::vector<std::vector<double>> poses = TrackerPoses(situation);
+  if (poses.empty()) return {};
+  session::Session session = SessionOf(situation, "tracker", "tracker", kTrackerSigmaUm, {});
   for (const std::vector<double>& pose : poses) AddRow(situation, pose, &session);
   return {{std::move(session), absl::StrFormat("a tracker's target on the tool at %u points of the work space and "
                                                "positions of the head",
                                                poses.size())}};
+}
+
+// A look at the reference targets before the first pose, after every few and after the last one: in between a tracker
+// moves by hardly more than it is straight.
+std::vector<PlannedSession> TrackerReferences(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  const std::vector<std::vector<double>> poses = TrackerPoses(situation);
+  if (poses.empty()) return {};
+  Eigen::Vector3d low_mm = Eigen::Vector3d::Constant(INFINITY), high_mm = -low_mm;
+  for (const std::vector<double>& pose : poses) {
+    const auto chain = machine::EvaluateChain<double>(machine, pose.data(), machine::JointErrors<double>());
+    const Eigen::Vector3d tip_mm = chain.bed_from_tool * situation.tips_mm.front();
+    low_mm = low_mm.cwiseMin(tip_mm);
+    high_mm = high_mm.cwiseMax(tip_mm);
+  }
+  // On the bed, around the work space: nearer they would be in its way, farther they would show turns no better than
+  // the air lets the tracker read.
+  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm), size_mm = high_mm - low_mm;
+  const Eigen::Vector3d corners[] = {{-1, -0.8, -0.6}, {1, -0.9, -0.4}, {0.1, 1, 0.7}};
+  std::vector<session::HeaderEntry> keys;
+  for (size_t i = 0; i < std::size(corners); ++i) {
+    const Eigen::Vector3d place_mm = middle_mm + size_mm.cwiseProduct(corners[i]);
+    keys.push_back({absl::StrCat("reference R", i + 1),
+                    absl::StrFormat("%.0f %.0f %.0f", place_mm.x() + 0.0, place_mm.y() + 0.0, place_mm.z() + 0.0)});
+  }
+  session::Session session = SessionOf(situation, "tracker-references", "tracker", kTrackerSigmaUm, keys);
+  session::Column target = {"target", {}, {}};
+  const auto look = [&](const std::vector<double>& pose) {
+    for (size_t i = 0; i < std::size(corners); ++i) {
+      AddRow(situation, pose, &session);
+      target.texts.push_back(absl::StrCat("R", i + 1));
+    }
+  };
+  constexpr size_t kPosesBetween = 9;
+  int looks = 0;
+  for (size_t k = 0; k < poses.size(); ++k) {
+    if (k % kPosesBetween == 0) {
+      look(poses[k == 0 ? 0 : k - 1]);
+      ++looks;
+    }
+    AddRow(situation, poses[k], &session);
+    target.texts.push_back("tool");
+  }
+  look(poses.back());
+  session.columns.push_back(std::move(target));
+  return {{std::move(session),
+           absl::StrFormat("a tracker's target on the tool at %u points of the work space and positions of the head, "
+                           "and %u reference targets beside the machine before, after and in between, %d times in all",
+                           poses.size(), std::size(corners), looks + 1)}};
 }
 
 }  // namespace axiscal::plan

@@ -114,6 +114,13 @@ TEST(LengthTests, DistancesTellSquareness) {
       "terms": [{"symbol": "EZZ", "shape": "linear", "variable": "Z", "amplitude": 200}]})");
 }
 
+// The tracker moves by a third of a mm and turns by as many mrad from look to look, as its set-up is drawn.
+TEST(LengthTests, ATrackerThatMovesTellsScales) {
+  Expect("tracker-references", 1, R"({"EB0Z": 120, "terms": [
+      {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": -150},
+      {"symbol": "EZZ", "shape": "linear", "variable": "Z", "amplitude": 200}]})");
+}
+
 // The targets' ends are nine tenths of the travel apart; L grows as the axis rises, whatever branch it stands on.
 TEST(LengthTests, LinesGoOverTheTravelBothWays) {
   const machine::Machine machine = WithTravel();

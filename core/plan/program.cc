@@ -187,7 +187,18 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
     absl::StrAppend(&out, feed, "\n");
   };
   const std::string feed = absl::StrFormat(" F%.4g", options.feed_mm_min);
+  const session::Column* const targets = session::FindColumn(session, "target");
+  const auto is_reference = [&](size_t row) {
+    return targets != nullptr && session::FindHeader(session, "reference " + targets->texts[row]).has_value();
+  };
   for (size_t row = 0; row < session.reading_count(); ++row) {
+    if (is_reference(row)) {  // a person turns the tracker to them while the machine stands
+      block(row, feed);
+      if (row > 0 && is_reference(row - 1)) continue;
+      comment("MEASURE THE REFERENCE TARGETS OF THE PLAN. THEN START AGAIN");
+      absl::StrAppend(&out, style->is_klartext ? "STOP" : "M00", "\n");
+      continue;
+    }
     const double seconds = is_timed && row > 0 ? time->values[row] - time->values[row - 1] : 0.0;
     if (is_timed && row == 1 && !style->timed_begin.empty()) absl::StrAppend(&out, style->timed_begin, "\n");
     const bool has_time = is_timed && row > 0 && seconds > 0.0 && !style->timed_begin.empty();

@@ -42,6 +42,9 @@ const std::vector<Test>& FurtherTests() {
       {"direction-line", "turns of the tool along each linear axis: autocollimator, telescope, level", DirectionLines},
       {"direction-turn", "positioning of each rotary axis by an indexing table or a polygon", DirectionTurns},
       {"tracker-grid", "places of a target on the tool over the work space, in a tracker's frame", TrackerGrids},
+      {"tracker-references",
+       "the same, with three reference targets beside the machine measured in between: they show how the tracker moves",
+       TrackerReferences},
       {"distance-grid", "distances of the tool from three anchors over the work space: draw wire, tracker",
        DistanceGrids},
   };

@@ -22,6 +22,7 @@ std::vector<PlannedSession> DirectionLines(const Situation& situation);
 std::vector<PlannedSession> DirectionTurns(const Situation& situation);
 std::vector<PlannedSession> DistanceGrids(const Situation& situation);
 std::vector<PlannedSession> TrackerGrids(const Situation& situation);
+std::vector<PlannedSession> TrackerReferences(const Situation& situation);
 std::vector<PlannedSession> RtestGrids(const Situation& situation);
 std::vector<PlannedSession> RtestApproaches(const Situation& situation);
 std::vector<PlannedSession> OtherSense(const Situation& situation);

@@ -10,7 +10,7 @@ namespace axiscal::reports {
 inline const char* const* WordsOf(WarningKind) {
   static constexpr const char* kWords[] = {"scatter",     "set-aside", "interval", "no-number", "held",
                                            "resolution",  "size",      "quiet",    "datum",     "no-degree-of-freedom",
-                                           "certificate", "clock",     "other",    nullptr};
+                                           "certificate", "clock",     "moved",    "other",     nullptr};
   return kWords;
 }
 

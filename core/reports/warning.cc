@@ -152,6 +152,16 @@ Warning Of(const TwoClocks& facts) {
                        " took the same t_s for the same moment; let t_s run on from session to session")};
 }
 
+Warning Of(const TrackerMoved& facts) {
+  return {
+      WarningKind::kMoved,
+      absl::StrFormat("session '%s': the tracker itself moved, not the machine: what stands in the middle of its "
+                      "readings seemed to go by up to %.3g +- %.2g um and to turn by %.3g +- %.2g urad (t_s = %.0f), "
+                      "as %d reference targets show in %d looks; it is taken off and in no error",
+                      facts.session, facts.moved_um, facts.sigma_um, facts.turned_urad, facts.turn_sigma_urad,
+                      facts.at_s, facts.references, facts.looks)};
+}
+
 }  // namespace
 
 Warning InWords(const WarningFacts& facts) {

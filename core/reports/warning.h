@@ -25,6 +25,7 @@ enum class WarningKind {
   kNoFreedom,    // as many unknowns as readings: nothing is left that would judge the model or the stated sigmas
   kCertificate,  // a certificate was not valid when its session was measured
   kClock,        // sessions do not count their times from one start
+  kMoved,        // an instrument moved while it measured; what it did is taken off
   kOther,        // of a newer version; its text says what
 };
 
@@ -105,8 +106,16 @@ struct TwoClocks {
   std::string session, other;
   std::vector<std::string> errors;  // that need one clock
 };
+// A tracker moved: its reference targets show it.
+struct TrackerMoved {
+  std::string session;
+  int references = 0, looks = 0;          // targets beside the machine, and how often they were measured
+  double moved_um = 0.0, sigma_um = 0.0;  // the farthest that a target in the middle of the readings seemed to go
+  double turned_urad = 0.0, turn_sigma_urad = 0.0;  // at the same look
+  double at_s = 0.0;                                // t_s of that look
+};
 using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize,
-                                  Quiet, DatumMoved, NoFreedom, Expired, TwoClocks>;
+                                  Quiet, DatumMoved, NoFreedom, Expired, TwoClocks, TrackerMoved>;
 
 // Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }

@@ -56,6 +56,18 @@ TEST(Warning, EachKindIsWorded) {
   Says(TwoClocks{"grid", "random", {"EZT:drift"}}, WarningKind::kClock,
        "sessions grid and random overlap in time: t_s of each counts from a start of its own, and EZT:drift took the "
        "same t_s for the same moment; let t_s run on from session to session");
+  Says(TrackerMoved{.session = "T",
+                    .references = 3,
+                    .looks = 5,
+                    .moved_um = 43.21,
+                    .sigma_um = 3.0,
+                    .turned_urad = 20.3,
+                    .turn_sigma_urad = 1.5,
+                    .at_s = 1810.4},
+       WarningKind::kMoved,
+       "session 'T': the tracker itself moved, not the machine: what stands in the middle of its readings seemed to go "
+       "by up to 43.2 +- 3 um and to turn by 20.3 +- 1.5 urad (t_s = 1810), as 3 reference targets show in 5 looks; it "
+       "is taken off and in no error");
   Says(NoFreedom{"8 unknowns", "8 readings", {}, "measure more"}, WarningKind::kNoFreedom,
        "no degree of freedom: 8 unknowns from 8 readings, so that nothing shows by how much they are wrong: the sigmas "
        "rest on what was stated beforehand alone; measure more");

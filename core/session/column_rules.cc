@@ -96,7 +96,7 @@ absl::Status RequireColumns(const std::vector<std::string>& columns, const Instr
                             SessionKind kind) {
   std::vector<std::string> required;
   for (const ReadingColumn& column : format.columns) {
-    if (!IsUnread(column, kind)) required.push_back(column.name);
+    if (!column.is_optional && !IsUnread(column, kind)) required.push_back(column.name);
   }
   for (const std::string& name : required) {
     if (std::find(columns.begin(), columns.end(), name) != columns.end()) continue;

@@ -40,6 +40,11 @@ ReadingColumn FromTouches(ReadingColumn column) {
 
 ReadingColumn Name(const std::string& name) { return {name, 0, 0, "a name", true, false}; }
 
+ReadingColumn Optional(ReadingColumn column) {
+  column.is_optional = true;
+  return column;
+}
+
 ReadingColumn Deviation(const std::string& name) { return Number(name, "mm", kMaxDeviationMm, " (are these um?)"); }
 
 ReadingColumn Position(const std::string& name) { return Number(name, "mm", kMaxLengthMm); }
@@ -54,7 +59,12 @@ std::vector<InstrumentFormat> Table() {
        {Deviation("dL_mm")},
        AxisColumns::kAll,
        true},
-      {"tracker", {}, {}, {Position("px_mm"), Position("py_mm"), Position("pz_mm")}, AxisColumns::kAll, true},
+      {"tracker",
+       {},
+       {},
+       {Optional(Planned(Name("target"))), Position("px_mm"), Position("py_mm"), Position("pz_mm")},
+       AxisColumns::kAll,
+       true},
       {"rtest",
        {PointMm("table_ball_mm")},
        {},

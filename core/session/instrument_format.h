@@ -38,6 +38,7 @@ struct ReadingColumn {
   std::string expected;
   bool is_name = false;
   bool may_be_empty = false;
+  bool is_optional = false;  // the whole column
   ColumnSource source = ColumnSource::kReading;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/chain.h"
 #include "core/synthetic/forms.h"
 
@@ -283,11 +284,18 @@ class Drawer {
       }
       Eigen::MatrixXd& offset = out_[s].offset_mm;
       if (offset.size() == 0) offset.setZero(3, run.reading_count());
-      const machine::ChainPose<double> pose =
-          machine::EvaluateChain<double>(machine_, run.PositionsOf(k), machine::JointErrors<double>());
-      const Vector3d point_mm = run.tracker_from_machine * Vector3d(pose.bed_from_tool * run.tip_mm);
-      offset.col(k) += shift_mm + turn_rad.cross(point_mm);
+      // The tracker's origin is where the scenario's set-up puts it: about the middle of what it sees.
+      offset.col(k) += shift_mm + turn_rad.cross(run.tracker_from_machine * PlaceInBed(run, k));
     }
+  }
+
+  // Of the target that a tracker sees.
+  Vector3d PlaceInBed(const MeasuringRun& run, int reading) const {
+    const Vector3d& nominal_mm = tracker::NominalPlace(run, reading);
+    if (run.targets.IsReference(reading)) return nominal_mm;
+    return machine::EvaluateChain<double>(machine_, run.PositionsOf(reading), machine::JointErrors<double>())
+               .bed_from_tool *
+           nominal_mm;
   }
 
   Eigen::Matrix3Xd& MovedOf(Carrier carrier, size_t s) {
@@ -358,6 +366,13 @@ class Drawer {
     for (size_t s = 0; s < runs_.size(); ++s) {
       if (!acts_[s]) continue;
       const int first = static_cast<int>(std::lround(fault.at * runs_[s].reading_count()));
+      // A tracker does not stand on the table: it is knocked itself, and all that it sees seems to go.
+      if (runs_[s].kind == Kind::kTracker && fault.carrier == Carrier::kTable) {
+        Eigen::MatrixXd& offset = out_[s].offset_mm;
+        if (offset.size() == 0) offset.setZero(3, runs_[s].reading_count());
+        for (int k = first; k < runs_[s].reading_count(); ++k) offset.col(k) += fault.moved_mm;
+        continue;
+      }
       for (int k = first; k < runs_[s].reading_count(); ++k) MovedOf(fault.carrier, s).col(k) += fault.moved_mm;
     }
     return absl::OkStatus();

@@ -20,8 +20,9 @@ def is_there():
     return shutil.which("rs274") is not None
 
 
-def places(case, text, folder, skip):
-    """[(axis positions, rapid, radians of the arc or 0)] of all moves. rs274 is a machine in inches whose axes start at 0."""
+def places(case, text, folder, skip, probed=None):
+    """[(axis positions, rapid, radians of the arc or 0)] of all moves. rs274 is a machine in inches whose axes start at 0. `probed`: a list to
+    which the ends of probing moves are added."""
     values = {base + i: 0.0 for base in list(BASES.values()) + [5161, 5181, 5211] for i in range(10)}
     for n in (5210, 5219):
         values[n] = 0.0
@@ -83,6 +84,8 @@ def places(case, text, folder, skip):
         elif call in ("STRAIGHT_FEED", "STRAIGHT_TRAVERSE"):
             at = machine(numbers[:6])
             out.append((at, call == "STRAIGHT_TRAVERSE", 0))
+        elif call == "STRAIGHT_PROBE" and probed is not None:
+            probed.append(machine(numbers[:6]))
         elif call == "ARC_FEED":
             end1, end2, c1, c2, turns, end3 = numbers[:6]
             p = dict(zip(AXES, [0.0] * 3 + numbers[6:9]))

@@ -162,6 +162,53 @@ TEST(Chang, ASecondHeightTellsTheOffsetsFromTheTilts) {
   }
 }
 
+// Traces along X at 20 deg C and along Y at 23: the bar and the scale of Y have grown by the time. What the traces
+// read is made by a longer bar and by an axis that goes too far.
+std::vector<session::Session> Paired(const machine::ErrorModel& truth, double warmer_kelvin, bool is_stated) {
+  constexpr double kBarPerKelvin = 11.5e-6, kScalePerKelvin = 10e-6;
+  std::vector<session::Session> sessions;
+  for (const double height_mm : {100.0, 250.0}) {
+    sessions.push_back(Exact({{'X', height_mm}}, truth, kKnownUm)[0]);
+    machine::ErrorModel warm = truth;
+    const int y = machine::FindAxis(Machine(), "Y");
+    warm.terms.push_back({y, machine::Component::kY, shapes::Linear{y}, {kScalePerKelvin * warmer_kelvin * 1e3}});
+    sessions.push_back(Exact({{'Y', height_mm}}, warm, kKnownUm)[0]);
+    for (session::Column& column : sessions.back().columns) {
+      if (column.name != "dL_mm") continue;
+      for (double& reading_mm : column.values) reading_mm -= kBarPerKelvin * warmer_kelvin * kBarMm;
+    }
+  }
+  for (size_t i = 0; is_stated && i < sessions.size(); ++i) {
+    const double celsius = i % 2 == 0 ? 20.0 : 20.0 + warmer_kelvin;
+    sessions[i].columns.push_back({"temp_C", std::vector<double>(sessions[i].reading_count(), celsius), {}});
+    const std::vector<session::HeaderEntry> facts = {
+        {"expansion bar", "11.5 0.5"}, {"expansion scale X", "10 1"}, {"expansion scale Y", "10 1"}};
+    sessions[i].header.insert(sessions[i].header.end(), facts.begin(), facts.end());
+  }
+  return sessions;
+}
+
+TEST(Chang, PairedTestsAtTwoTemperatures) {
+  constexpr double kWarmer = 3.0;
+  const std::vector<std::string> six = {"EX0C", "EY0C", "EA0C", "EB0C", "EC0X", "EC0Y"};
+  const double expected[] = {32.35, 47.69, -5.2, -1.6 - 1.6, 21.6, 0.0};
+  const identify::Result stated = Identified(Paired(Table2(), kWarmer, true), six),
+                         cold = Identified(Paired(Table2(), 0.0, true), six),
+                         unstated = Identified(Paired(Table2(), kWarmer, false), six);
+  double worst_unstated = 0.0, more_sigma = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    constexpr double kSecondOrder = 0.02;  // um, urad: of what has grown
+    const identify::Estimate& estimate = stated.estimates[i];
+    EXPECT_NEAR(estimate.value / estimate.factor, expected[i], kSecondOrder) << estimate.name;
+    worst_unstated =
+        std::max(worst_unstated, std::abs(unstated.estimates[i].value / unstated.estimates[i].factor - expected[i]));
+    more_sigma = std::max(more_sigma, (estimate.sigma - cold.estimates[i].sigma) / estimate.factor);
+  }
+  EXPECT_GT(worst_unstated, 1.0);
+  // 0.5 um/(m K) of 150 mm and 1 um/(m K) of 250 mm over 3 K: tenths of a micrometre that no repetition takes away.
+  EXPECT_GT(more_sigma, 0.1);
+}
+
 // c1 = EX0C + h EB0C - h EB0X, c2 = EY0C - h EA0C, c3 = EC0X: what an X-C trace says.
 TEST(Chang, TheThreeCombinationsComeBack) {
   const identify::Result result = Identified(Exact({{'X', 100}}, Table2(), kKnownUm), {"EX0C", "EY0C", "EC0X"});
