@@ -98,6 +98,7 @@ const tooWide = (page) =>
       .filter((one) => one.scrollWidth > one.clientWidth && one.clientWidth > 0)
       .map((one) => `${one.getAttribute("aria-label") ?? one.className} is ${one.scrollWidth} px wide in ${one.clientWidth}`),
   ]);
+const openDetails = (page) => page.evaluate(() => document.querySelectorAll("main details").forEach((one) => (one.open = true)));
 
 // Every page, and what must be seen on it before it is judged.
 const kPages = [
@@ -437,6 +438,65 @@ test("what differs is said where a phone shows it, and names keep their words wh
   const state = await page.locator("tr", { has: page.getByRole("link", { name: "Auftrag 4", exact: true }) }).locator(".mark").boundingBox();
   assert.ok(state.x + state.width <= 390, `the state ends at ${state.x + state.width} px`);
   await done();
+});
+
+test("no page is wider than a phone, whatever is written in it", async () => {
+  // A copy in which names and words are as long as they may be, without a place to break them.
+  const copy = path.join(kHere, "long.db");
+  fs.copyFileSync(path.join(kHere, "restart.db"), copy);
+  const own = await startServer(copy);
+  const long = (start, n) => start + "W".repeat(n - start.length);
+  const machine = long("machine-", 60), note = long("", 200);
+  const as = async (who, method, message) => {
+    const response = await fetch(`${own.url}/axiscal.v1.${method}`, {
+      method: "POST",
+      headers: { "content-type": "application/json", authorization: `Bearer ${tokenOf(who)}` },
+      body: JSON.stringify(message),
+    });
+    const answer = await response.json();
+    assert.equal(response.status, 200, `${method}: ${JSON.stringify(answer)}`);
+    return answer;
+  };
+  const described = await as("ada", "Machines/GetMachine", { machineId: "mill-7" });
+  await as("ada", "Machines/CreateMachine", { descriptionJson: described.machine.descriptionJson.replace("mill-7", machine) });
+  await as("ada", "Access/CreatePrincipal", { name: long("p", 64), note });
+  await as("ada", "Access/ChangeGroup", { group: long("group-", 64), machineId: machine, belongs: true });
+  await as("bob", "Ingest/AnnotateSession", { sessionId: 7, note, labels: [long("", 64)] });
+  await as("bob", "Ingest/RejectSession", { sessionId: 8, isRejected: true, reason: note });
+  await as("bob", "History/PutMark", { requestId: "long", machineId: "mill-7", atUtcUs: "1778000000000000", kind: "MARK_KIND_COLLISION", note });
+  await as("bob", "Events/SetExpectations", { machineId: machine, expectations: { sessions: [{ name: long("", 60), everyHours: 24 }] } });
+  const { calibration } = await as("ann", "Calibrations/GetCalibration", { calibrationId: 17 });
+  await as("ann", "Calibrations/RetireCalibration", { calibrationId: 17, etag: calibration.etag, reason: long("", 200) });
+  await as("ada", "Routines/PutRoutine", { routine: { name: long("routine-", 64), scope: { machine }, principal: "bob", sessions: [long("", 60)], work: "ROUTINE_WORK_IDENTIFY", withinHours: 24, note } });
+  await as("ada", "Webhooks/PutWebhook", { webhook: { name: long("hook-", 64), url: `https://${long("", 60)}.example/${long("", 100)}`, disabled: true, scope: { all: true }, note } });
+  await as("cell-7", "Ingest/ReportCell", { report: { machineId: "mill-7", name: long("cell-", 60), version: "0.1.0", silentAfterS: 86400, problem: note, quarantinedFiles: 1, quarantinedBytes: 81234, maxBytes: 1e9 } });
+  const page = await (await browser.newContext({ viewport: { width: 390, height: 844 }, locale: "de-DE" })).newPage();
+  page.setDefaultTimeout(kPatience);
+  await page.goto(`${own.url}/`);
+  await signIn(page, "ada");
+  for (const [name, hash, seen] of [...kPages, ["machine-long", `#/machines/${machine}`, (at) => at.getByRole("heading", { name: machine })]]) {
+    if (["events", "cells"].includes(name)) continue; // seen to below, by what is in them here
+    await page.evaluate((to) => (location.hash = to), hash);
+    await seen(page).waitFor();
+    await openDetails(page);
+    assert.deepEqual(await tooWide(page), [], name);
+  }
+  for (const hash of ["#/events", "#/cells"]) {
+    await page.evaluate((to) => (location.hash = to), hash);
+    await page.getByText(hash === "#/cells" ? long("cell-", 60) : /EX0C is 64/).first().waitFor();
+    assert.deepEqual(await tooWide(page), [], hash);
+  }
+  // The long names are there.
+  await page.evaluate(() => (location.hash = "#/audit"));
+  await page.getByText(long("", 200)).first().waitFor();
+  assert.deepEqual(await tooWide(page), [], "audit");
+  await page.evaluate(() => (location.hash = "#/machines/mill-7"));
+  await page.getByText(note).first().waitFor();
+  await openDetails(page);
+  assert.deepEqual(await tooWide(page), [], "machine");
+  await judge(page, "a machine with long words");
+  await page.context().close();
+  await own.stop();
 });
 
 test("a decision on what has changed meanwhile is not taken", async () => {
