@@ -152,6 +152,12 @@ absl::StatusOr<records::DriftReport> Client::FindDrift(const records::DriftSearc
   return convert::FromProto(response);
 }
 
+absl::StatusOr<Page<records::MachineCare>> Client::ListCare(const PageRequest& page) {
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::ListCareResponse>(*impl_->history, &v1::History::Stub::ListCare,
+                                                                          PageOf<v1::ListCareRequest>(page)));
+  return ReadPage<records::MachineCare>(response.machines(), response.next_page_token());
+}
+
 absl::StatusOr<records::Mark> Client::PutMark(const records::NewMark& mark, const std::string& request_id) {
   const v1::PutMarkRequest request = convert::ToProto(mark, request_id.empty() ? NewRequestId() : request_id);
   ASSIGN_OR_RETURN(const auto response,

@@ -24,6 +24,7 @@
 #include "core/base/status.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/care.h"
 #include "core/records/cell.h"
 #include "core/records/diagnosis.h"
 #include "core/records/drift.h"
@@ -267,6 +268,8 @@ class Client {
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);
   // What happened to a machine, in words, and when errors leave their limits (docs/drift.md).
   absl::StatusOr<records::DriftReport> FindDrift(const records::DriftSearch& search);
+  // What each machine needs, at a glance, in the order of their names.
+  absl::StatusOr<Page<records::MachineCare>> ListCare(const PageRequest& page = {});
   // What has happened to a machine, as a person says it: it ends what its history said before.
   absl::StatusOr<records::Mark> PutMark(const records::NewMark& mark, const std::string& request_id = "");
   // Newest first, withdrawn ones too.

@@ -40,6 +40,7 @@ void AddEventsCommand(CLI::App& app, Context& context);
 void AddRoutineCommand(CLI::App& app, Context& context);
 void AddWebhookCommands(CLI::App* admin, Context& context);
 void AddMarkCommand(CLI::App& app, Context& context);
+void AddCareCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);
 void AddJobsCommand(CLI::App& app, Context& context);
 void AddBackupCommand(CLI::App& app, Context& context);

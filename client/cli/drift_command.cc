@@ -16,26 +16,6 @@ struct DriftArguments {
   bool counts_candidates = false;
 };
 
-const char* DriftKindName(records::DriftKind kind) {
-  switch (kind) {
-    case records::DriftKind::kStep:
-      return "step";
-    case records::DriftKind::kRetraction:
-      return "retraction";
-    case records::DriftKind::kSuspect:
-      return "suspect";
-    case records::DriftKind::kSlope:
-      return "slope";
-    case records::DriftKind::kSeason:
-      return "season";
-    case records::DriftKind::kNoise:
-      return "noise";
-    case records::DriftKind::kUnstable:
-      return "unstable";
-  }
-  return "";
-}
-
 Json FindingJson(const records::DriftFinding& finding) {
   Json amounts = Json::Array();
   for (const records::DriftAmount& amount : finding.amounts) {

@@ -60,6 +60,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddSimulateCommand(app, context);
   AddToolSetterCommand(app, context);
   AddPublishedCommand(app, context);
+  AddCareCommand(app, context);
   AddHistoryCommand(app, context);
   AddDriftCommand(app, context);
   AddVolumetricCommand(app, context);

@@ -178,6 +178,26 @@ Json ToJson(const records::DriftSeries& series) {
           {"points", points}};
 }
 
+const char* DriftKindName(records::DriftKind kind) {
+  switch (kind) {
+    case records::DriftKind::kStep:
+      return "step";
+    case records::DriftKind::kRetraction:
+      return "retraction";
+    case records::DriftKind::kSuspect:
+      return "suspect";
+    case records::DriftKind::kSlope:
+      return "slope";
+    case records::DriftKind::kSeason:
+      return "season";
+    case records::DriftKind::kNoise:
+      return "noise";
+    case records::DriftKind::kUnstable:
+      return "unstable";
+  }
+  return "";
+}
+
 const char* MarkKindName(records::MarkKind kind) {
   switch (kind) {
     case records::MarkKind::kCollision:

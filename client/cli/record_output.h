@@ -36,6 +36,7 @@ std::string EventText(const records::Event& event);
 Json ToJson(const records::EventChange& change);
 // One line: "12 2026-05-12 14:00:00 mt raised event 7 (out-of-tolerance): EX0C is ...".
 std::string ChangeText(const records::EventChange& change);
+const char* DriftKindName(records::DriftKind kind);
 const char* MarkKindName(records::MarkKind kind);
 // "mark 3 of mt: collision at 2026-05-12 14:00:00 of all errors, put in by ann: hit the chuck".
 std::string MarkText(const records::Mark& mark);

@@ -357,6 +357,37 @@ TEST(DriftQueryOnTheWire, HasItsDefaultsAndLimits) {
   EXPECT_EQ(FieldOf(FromProto(message).status()), "symbols");
 }
 
+TEST(CareOnTheWire, ComesAsItIsAndRefusesWhatIsNotKnown) {
+  v1::MachineCare good;
+  good.set_machine_id("mt");
+  good.set_care(v1::CARE_NOW);
+  v1::StandingFinding& finding = *good.add_findings();
+  finding.set_kind(v1::DRIFT_FINDING_KIND_STEP);
+  finding.set_text("jumped");
+  finding.set_at_utc_us(5);
+  good.mutable_in_use()->set_calibration_id(7);
+  good.mutable_in_use()->set_rms_after_um(0.0);
+  good.add_groups("turning");
+  const auto care = FromProto(good);
+  ASSERT_TRUE(care.ok()) << care.status();
+  EXPECT_EQ(care->care, records::Care::kNow);
+  EXPECT_EQ(care->findings.at(0).kind, records::DriftKind::kStep);
+  EXPECT_EQ(care->findings.at(0).at, base::FromUtcUs(5));
+  EXPECT_EQ(care->in_use->calibration, CalibrationId(7));
+  EXPECT_FALSE(care->in_use->rms_before_um.has_value());
+  EXPECT_EQ(care->in_use->rms_after_um, 0.0);
+  EXPECT_EQ(care->groups, std::vector<std::string>{"turning"});
+  const auto field_with = [&](const std::function<void(v1::MachineCare&)>& change) {
+    v1::MachineCare bad = good;
+    change(bad);
+    return FieldOf(FromProto(bad).status());
+  };
+  EXPECT_EQ(field_with([](auto& bad) { bad.clear_machine_id(); }), "machine_id");
+  EXPECT_EQ(field_with([](auto& bad) { bad.set_care(v1::CARE_UNSPECIFIED); }), "care");
+  EXPECT_EQ(field_with([](auto& bad) { bad.mutable_findings(0)->clear_kind(); }), "findings.kind");
+  EXPECT_EQ(field_with([](auto& bad) { bad.mutable_in_use()->set_rms_after_um(std::nan("")); }), "in_use.rms_after_um");
+}
+
 TEST(MachineAndProgramOnTheWire, AreRefusedWithoutTheirIds) {
   EXPECT_EQ(FieldOf(FromProto(v1::Machine()).status()), "machine_id");
   EXPECT_EQ(FieldOf(FromProto(v1::Program()).status()), "program_id");

@@ -1,6 +1,7 @@
 #include "proto/convert/history.h"
 
 #include <set>
+#include <tuple>
 
 #include "proto/convert/calibration.h"
 #include "proto/convert/field.h"
@@ -45,6 +46,12 @@ v1::DriftPoint PointToProto(const records::DriftPoint& point) {
 // As many errors as drift follows (core/drift/calibration.h), and what a person writes in one go.
 constexpr int kMaxMarkSymbols = 64;
 constexpr size_t kMaxNoteBytes = 1000;
+
+absl::StatusOr<records::DriftKind> KindFromProto(v1::DriftFindingKind kind) {
+  if (kind < v1::DRIFT_FINDING_KIND_STEP || kind > v1::DRIFT_FINDING_KIND_UNSTABLE)
+    return FieldError("findings.kind", absl::StrCat(static_cast<int>(kind), ", must be a known kind"));
+  return static_cast<records::DriftKind>(kind);
+}
 
 absl::StatusOr<records::MarkKind> KindFromProto(v1::MarkKind kind) {
   if (kind < v1::MARK_KIND_COLLISION || kind > v1::MARK_KIND_REFIXTURING)
@@ -212,10 +219,9 @@ absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& mess
     return is_there ? std::optional(base::FromUtcUs(utc_us)) : std::nullopt;
   };
   for (const v1::DriftFinding& finding : message.findings()) {
-    if (finding.kind() < v1::DRIFT_FINDING_KIND_STEP || finding.kind() > v1::DRIFT_FINDING_KIND_UNSTABLE)
-      return FieldError("findings.kind", absl::StrCat(static_cast<int>(finding.kind()), ", must be a known kind"));
+    ASSIGN_OR_RETURN(const records::DriftKind kind, KindFromProto(finding.kind()));
     records::DriftFinding& added = report.findings.emplace_back();
-    added.kind = static_cast<records::DriftKind>(finding.kind());
+    added.kind = kind;
     added.text = finding.text();
     added.at = base::FromUtcUs(finding.at_utc_us());
     added.after = time_of(finding.has_after_utc_us(), finding.after_utc_us());
@@ -247,6 +253,38 @@ absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& mess
     report.marks.push_back(std::move(read));
   }
   return report;
+}
+
+absl::StatusOr<records::MachineCare> FromProto(const v1::MachineCare& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  if (message.care() < v1::CARE_NOW || message.care() > v1::CARE_GOOD)
+    return FieldError("care", absl::StrCat(static_cast<int>(message.care()), ", must be a known care"));
+  records::MachineCare care;
+  care.machine = MachineId(message.machine_id());
+  care.care = static_cast<records::Care>(message.care());
+  for (const v1::StandingFinding& finding : message.findings()) {
+    ASSIGN_OR_RETURN(const records::DriftKind kind, KindFromProto(finding.kind()));
+    care.findings.push_back({kind, finding.text(), base::FromUtcUs(finding.at_utc_us())});
+  }
+  care.new_events = message.new_events();
+  care.newest_event = message.newest_event();
+  care.waiting = message.waiting();
+  care.is_followed = message.is_followed();
+  care.groups.assign(message.groups().begin(), message.groups().end());
+  if (!message.has_in_use()) return care;
+  const v1::CalibrationInUse& in_use = message.in_use();
+  records::MachineCare::InUse& used = care.in_use.emplace();
+  used.calibration = CalibrationId(in_use.calibration_id());
+  used.version = in_use.version();
+  used.measured_at = base::FromUtcUs(in_use.measured_utc_us());
+  for (const auto& [field, is_there, value, to] :
+       {std::tuple("in_use.rms_before_um", in_use.has_rms_before_um(), in_use.rms_before_um(), &used.rms_before_um),
+        std::tuple("in_use.rms_after_um", in_use.has_rms_after_um(), in_use.rms_after_um(), &used.rms_after_um)}) {
+    if (!is_there) continue;
+    RETURN_IF_ERROR(RequireFinite(field, value));
+    *to = value;
+  }
+  return care;
 }
 
 }  // namespace axiscal::convert

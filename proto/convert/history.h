@@ -4,6 +4,7 @@
 
 #include "axiscal/v1/history_service.pb.h"
 #include "core/base/status.h"
+#include "core/records/care.h"
 #include "core/records/drift.h"
 #include "core/records/history.h"
 #include "core/records/mark.h"
@@ -38,6 +39,9 @@ absl::StatusOr<records::NewMark> FromProto(const v1::PutMarkRequest& message);
 v1::FindDriftRequest ToProto(const records::DriftSearch& search);
 // FIELD_INVALID: a finding of no known kind, a number that is none.
 absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& message);
+
+// FIELD_INVALID: no machine, no known care, a finding of no known kind, a number that is none.
+absl::StatusOr<records::MachineCare> FromProto(const v1::MachineCare& message);
 
 }  // namespace axiscal::convert
 

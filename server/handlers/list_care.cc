@@ -9,6 +9,17 @@ v1::Care CareOf(const storage::CareRow& row) {
   return row.in_use ? v1::CARE_GOOD : v1::CARE_UNKNOWN;
 }
 
+// A machine that was removed since the list was read is in none.
+absl::Status AddGroups(Core& core, v1::MachineCare& message) {
+  const absl::StatusOr<storage::Belonging> belongs =
+      core.database.WhereBelongs({storage::ResourceKind::kMachine, message.machine_id()}, "");
+  if (absl::IsNotFound(belongs.status())) return absl::OkStatus();
+  RETURN_IF_ERROR(belongs.status());
+  for (const records::MachineAccess& machine : belongs->machines)
+    message.mutable_groups()->Add(machine.groups.begin(), machine.groups.end());
+  return absl::OkStatus();
+}
+
 v1::MachineCare CareMessage(const storage::CareRow& row) {
   v1::MachineCare message;
   message.set_machine_id(row.machine.text());
@@ -39,7 +50,10 @@ absl::StatusOr<v1::ListCareResponse> ListCare(Core& core, const Call& call, cons
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
   ASSIGN_OR_RETURN(const records::Page<storage::CareRow> rows, core.database.ListCare(page, call.visible));
   v1::ListCareResponse response;
-  for (const storage::CareRow& row : rows.rows) *response.add_machines() = CareMessage(row);
+  for (const storage::CareRow& row : rows.rows) {
+    v1::MachineCare& message = *response.add_machines() = CareMessage(row);
+    RETURN_IF_ERROR(AddGroups(core, message));
+  }
   response.set_next_page_token(rows.next_token);
   return response;
 }

@@ -11,7 +11,7 @@ import threading
 import unittest
 
 import axiscal
-from axiscal.v1 import ingest_service_pb2
+from axiscal.v1 import access_service_pb2, ingest_service_pb2
 
 import server
 
@@ -205,6 +205,30 @@ class Watching(unittest.TestCase):
         self.assertEqual(self.client.webhooks()[0].name, "mes")
         self.assertEqual(self.client.remove_webhook("mes").name, "mes")
         self.assertEqual(self.client.webhooks(), ())
+
+
+class Care(unittest.TestCase):
+    def test_what_a_machine_needs(self):
+        with server.Folder() as folder, server.Server(folder / "a.db") as running, axiscal.connect(running.address) as client:
+            self.assertEqual(client.care(), ())
+            client.create_machine(server.EXAMPLE / "machine.json")
+            value_um = calibrate(client, 0)
+            client.set_expectations(server.MACHINE, {"EZ0T": (value_um + 500, value_um + 600)})
+            stream = client.watch_events(after=0)
+            next(change for change in stream if change.event.kind == "out_of_tolerance")
+            stream.close()
+            client.create_machine({**json.loads((server.EXAMPLE / "machine.json").read_text()), "id": "a-new-one"})
+            client.call("Access", "ChangeGroup",
+                        access_service_pb2.ChangeGroupRequest(group="turning", machine_id=server.MACHINE, belongs=True))
+            sick, new = client.care()
+            self.assertEqual((sick.machine, sick.care, sick.groups, sick.version), (server.MACHINE, "now", ("turning",), 1))
+            self.assertGreaterEqual(sick.new_events, 1)
+            self.assertIn("EZ0T is", sick.newest_event)
+            self.assertEqual(sick.measured, datetime.datetime(2026, 1, 5, tzinfo=UTC))
+            self.assertLess(sick.rms_after_um, sick.rms_before_um)
+            self.assertEqual((new.machine, new.care, new.calibration, new.findings), ("a-new-one", "unknown", None, ()))
+            self.assertEqual([one.machine for one in client.care("turning")], [server.MACHINE])
+            self.assertEqual(client.care("nowhere"), ())
 
 
 class Roles(unittest.TestCase):

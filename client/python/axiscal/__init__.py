@@ -18,12 +18,13 @@ from axiscal.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, Deadlin
 from axiscal.records import (Calibration, CalibrationState, Estimate, Job, JobError, JobProgress, JobState, MachineRecord, ProgramRecord,
                              ServerInfo, SessionRecord, SessionState)
 from axiscal.session import Column, Session
-from axiscal.watching import Cell, DeadLetter, Event, EventChange, Expectations, Finding, Mark, Routine, RoutineRun, Webhook
+from axiscal.watching import (Cell, DeadLetter, Event, EventChange, Expectations, Finding, MachineCare, Mark, Routine, RoutineRun, StandingFinding,
+                              Webhook)
 
 __all__ = [
     "Aborted", "AlreadyExists", "Calibration", "CalibrationState", "Cancelled", "Cell", "Client", "Column", "DataLoss", "DeadLetter",
     "DeadlineExceeded", "DriftFinding", "DriftReport", "Error", "Estimate", "Event", "EventChange", "Expectations", "FailedPrecondition", "Finding",
-    "Forecast", "InvalidArgument", "Job", "JobError", "JobProgress", "JobState", "MachineRecord", "Mark", "NotFound", "Options", "OutOfRange",
-    "PermissionDenied", "ProgramRecord", "Progress", "ResourceExhausted", "Routine", "RoutineRun", "ServerInfo", "Session", "SessionRecord",
-    "SessionState", "StoredLog", "Unauthenticated", "Unavailable", "Upload", "Webhook", "__version__", "connect",
+    "Forecast", "InvalidArgument", "Job", "JobError", "JobProgress", "JobState", "MachineCare", "MachineRecord", "Mark", "NotFound", "Options",
+    "OutOfRange", "PermissionDenied", "ProgramRecord", "Progress", "ResourceExhausted", "Routine", "RoutineRun", "ServerInfo", "Session", "SessionRecord",
+    "SessionState", "StandingFinding", "StoredLog", "Unauthenticated", "Unavailable", "Upload", "Webhook", "__version__", "connect",
 ]

@@ -7,7 +7,7 @@ from axiscal import errors
 from axiscal._connection import Backoff, Connection, is_broken, new_request_id
 from axiscal.records import utc_us
 from axiscal.v1 import admin_service_pb2, events_service_pb2, history_service_pb2, ingest_service_pb2, routines_service_pb2, webhooks_service_pb2
-from axiscal.watching import (Cell, DeadLetter, Event, EventChange, Expectations, Finding, Mark, Routine, RoutineRun, Webhook, name_of,
+from axiscal.watching import (Cell, DeadLetter, Event, EventChange, Expectations, Finding, MachineCare, Mark, Routine, RoutineRun, Webhook, name_of,
                               scope_message)
 
 
@@ -21,6 +21,16 @@ class Watching:
 
     def _pages(self, service: str, method: str, request: Any, field: str) -> Iterator[Any]:
         raise NotImplementedError
+
+    # ---- what machines need
+
+    def care(self, group: str = "") -> Tuple[MachineCare, ...]:
+        """Every machine that may be seen, or those of a group: the ones that need care first, those with most to tell before others."""
+        request = history_service_pb2.ListCareRequest(page_size=1000)
+        fleet = [MachineCare.from_message(message) for message in self._pages("History", "ListCare", request, "machines")]
+        order = {word: place for place, word in enumerate(("now", "decide", "unknown", "good"))}
+        fleet.sort(key=lambda one: (order[one.care], -one.new_events - len(one.findings), one.machine))
+        return tuple(one for one in fleet if not group or group in one.groups)
 
     # ---- events
 

@@ -1,4 +1,4 @@
-"""What the service watches and does by itself, as plain data: events, marks, what is expected, routines, webhooks, cells, findings."""
+"""What the service watches and does by itself, as plain data: what machines need, events, marks, expectations, routines, webhooks, cells."""
 import dataclasses
 import datetime
 from typing import Any, Dict, Optional, Tuple
@@ -36,6 +36,43 @@ def scope_message(machine: str, group: str) -> access_service_pb2.Scope:
     if machine:
         return access_service_pb2.Scope(machine=machine)
     return access_service_pb2.Scope(group=group) if group else access_service_pb2.Scope(all=True)
+
+
+@dataclasses.dataclass(frozen=True)
+class StandingFinding:
+    """What the calibration in use cannot know of."""
+    kind: str  # step, suspect, unstable (docs/drift.md)
+    text: str
+    at: datetime.datetime  # of the calibration with which it was found
+
+
+@dataclasses.dataclass(frozen=True)
+class MachineCare:
+    """What a machine needs, at a glance."""
+    machine: str
+    care: str  # now (it has new events, or findings), decide (newer candidates wait), unknown (nothing is in use), good
+    findings: Tuple[StandingFinding, ...]
+    new_events: int  # that stand, are not on the shelf, and that nobody has acknowledged
+    newest_event: str  # the words of the newest of these
+    calibration: Optional[int]  # in use
+    version: Optional[int]  # its, within the machine
+    measured: Optional[datetime.datetime]  # when it holds
+    rms_before_um: Optional[float]  # of its residuals
+    rms_after_um: Optional[float]
+    waiting: int  # candidates that were measured later than what is in use
+    is_followed: bool  # the findings are of now
+    groups: Tuple[str, ...]  # that it is in
+
+    @classmethod
+    def from_message(cls, message: Any) -> "MachineCare":
+        used = message.in_use if message.HasField("in_use") else None
+        findings = tuple(
+            StandingFinding(_word(history_service_pb2.DriftFindingKind, "DRIFT_FINDING_KIND_", finding.kind), finding.text, utc(finding.at_utc_us))
+            for finding in message.findings)
+        return cls(message.machine_id, _word(history_service_pb2.Care, "CARE_", message.care), findings, message.new_events, message.newest_event,
+                   used.calibration_id if used else None, used.version if used else None, utc(used.measured_utc_us) if used else None,
+                   _optional(used, "rms_before_um") if used else None, _optional(used, "rms_after_um") if used else None, message.waiting,
+                   message.is_followed, tuple(message.groups))
 
 
 @dataclasses.dataclass(frozen=True)

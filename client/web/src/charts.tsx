@@ -21,6 +21,12 @@ export interface PersonMark {
   us: bigint;
   label: string;
 }
+// What people should hear of, at the calibration that shows it.
+export interface EventMark {
+  us: bigint;
+  label: string;
+  href: string;
+}
 // What is foretold at a time: the median, and where it lies with 90 %.
 export interface Foretold {
   us: bigint;
@@ -46,14 +52,15 @@ const kRight = 12;
 // "12.5,30 14,31 ..." of a polygon or a line.
 const pathOf = (points: [number, number][]) => points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
 
-// One error over time: marks with intervals, bands of jumps, triangles where a calibration was put in use, limits; what people
-// say has happened; what is foretold.
+// One error over time: marks with intervals, bands of jumps, diamonds of events, triangles where a calibration was put in use, limits; what
+// people say has happened; what is foretold.
 export function TimeLine(props: {
   title: string;
   points: TimePoint[];
   bands: Band[];
   approvals: bigint[];
   marks: PersonMark[];
+  events: EventMark[];
   foretold: Foretold[];
   fromUs: bigint;
   toUs: bigint;
@@ -125,6 +132,15 @@ export function TimeLine(props: {
           <path class="approval" d={`M${x(us)} ${height - bottom + 2}l-5 9h10z`}>
             <title>{dayText(us)}</title>
           </path>
+        ))}
+      {props.events
+        .filter((event) => event.us >= props.fromUs && event.us <= props.toUs)
+        .map((event) => (
+          <a href={event.href} aria-label={event.label}>
+            <path class="event-mark" d={`M${x(event.us)} ${height - bottom - 16}l6 7l-6 7l-6 -7z`}>
+              <title>{event.label}</title>
+            </path>
+          </a>
         ))}
       {props.points.map((point) => (
         <a href={point.href} aria-label={point.label}>

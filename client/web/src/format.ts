@@ -49,7 +49,7 @@ export function countText(value: number | bigint): string {
 }
 export function unitText(unit: EstimateUnit | string): string {
   const name = typeof unit === "string" ? unit : unit === EstimateUnit.UM ? "um" : unit === EstimateUnit.URAD ? "urad" : "";
-  return name.replace(/^um$/, "µm").replace(/^urad$/, "µrad");
+  return name.replace(/^um$/, "µm").replace(/^urad$/, "µrad").replace(/^deg$/, "°");
 }
 
 // Of microseconds since 1970; they fit a double until the year 2255.

@@ -1,6 +1,6 @@
 // What all pages are made of.
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { problemOf, Refusal, type Loaded, type Problem } from "./api";
 import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
 import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
@@ -53,6 +53,13 @@ export function Show<Data>(props: { of: Loaded<Data>; rows?: number; children: (
   return <>{props.children(props.of.data)}</>;
 }
 
+// Tells once when a part of the page has its height: what stands below it is shown then, so that nothing moves while the page loads.
+export function usePlaced(isPlaced: boolean, onPlaced?: () => void) {
+  useEffect(() => {
+    if (isPlaced) onPlaced?.();
+  }, [isPlaced]);
+}
+
 export function Empty(props: { text: string; first?: string; children?: ComponentChildren }) {
   return (
     <div class="box empty">
@@ -63,8 +70,11 @@ export function Empty(props: { text: string; first?: string; children?: Componen
   );
 }
 
-// Wide tables scroll in a box of their own, which the keyboard reaches. With `cards` a row is a card where there is no room for columns; a cell
-// then says by `data-head` what it is.
+// As many columns as a phone has room for.
+const kFewColumns = 2;
+
+// Wide tables scroll in a box of their own, which the keyboard reaches. Of more columns than a phone has room for a row is a card there: each
+// cell then says by `data-head` what it is. With `cards` the rows say that themselves.
 export function Table(props: {
   label: string;
   head: ComponentChildren[];
@@ -73,9 +83,24 @@ export function Table(props: {
   kind?: string; // a class of its own
   children: ComponentChildren;
 }) {
+  const table = useRef<HTMLTableElement>(null);
+  const areNamed = !props.cards && props.head.length > kFewColumns;
+  useLayoutEffect(() => {
+    if (!areNamed || !table.current) return;
+    const [head, ...rows] = table.current.rows;
+    const names = [...(head?.cells ?? [])].map((cell) => cell.textContent ?? "");
+    for (const row of rows) {
+      let column = 0;
+      for (const cell of row.cells) {
+        if (cell.tagName === "TD") cell.dataset.head = names[column];
+        column += cell.colSpan;
+      }
+    }
+  });
+  const layout = props.cards ? "cards" : areNamed ? "cards named" : "";
   return (
-    <div class={`scroll ${props.cards ? "cards" : ""} ${props.kind ?? ""}`} role="region" aria-label={props.label} tabIndex={0}>
-      <table>
+    <div class={`scroll ${layout} ${props.kind ?? ""}`} role="region" aria-label={props.label} tabIndex={0}>
+      <table ref={table}>
         <thead>
           <tr>
             {props.head.map((cell, i) => (
@@ -168,8 +193,10 @@ export function Figure(props: {
   head: string[];
   rows: (string | number | undefined)[][];
   shown?: string[][]; // as people read them
+  words?: number; // the column of words; all others but the first are numbers
   children: ComponentChildren;
 }) {
+  const kindOf = (i: number) => (i === props.words ? "text" : i > 0 ? "number" : undefined);
   const box = useRef<HTMLDivElement>(null);
   const saveSvg = () => {
     const svg = box.current?.querySelector("svg");
@@ -183,11 +210,11 @@ export function Figure(props: {
       </Zoomed>
       <details class="numbers">
         <summary>{t("showTable")}</summary>
-        <Table label={props.caption} head={props.head} numbers={props.head.map((_, i) => i).slice(1)}>
+        <Table label={props.caption} head={props.head} numbers={props.head.map((_, i) => i).filter((i) => kindOf(i) === "number")}>
           {(props.shown ?? props.rows).map((row) => (
             <tr>
               {row.map((cell, i) => (
-                <td class={i > 0 ? "number" : undefined}>{cell ?? "–"}</td>
+                <td class={kindOf(i)}>{cell ?? "–"}</td>
               ))}
             </tr>
           ))}

@@ -138,9 +138,10 @@ const kTexts = {
   over: ["over", "vorbei"],
   timeLine: ["History of each error", "Verlauf jedes Fehlers"],
   timeLineHelp: [
-    "Each mark is one calibration with its 95 % interval; full: approved once, hollow: never. Grey bands: a jump between these dates. Triangles below: put in use, at the day of its measurement.",
-    "Jede Marke ist eine Kalibrierung mit ihrem 95-%-Intervall; voll: einmal freigegeben, hohl: nie. Graue Streifen: ein Sprung zwischen diesen Tagen. Dreiecke unten: in Gebrauch genommen, am Tag ihrer Messung.",
+    "Each mark is one calibration with its 95 % interval; full: approved once, hollow: never. Grey bands: a jump between these dates. Triangles below: put in use, at the day of its measurement. Diamonds: events, at the calibration that shows them. Flags: what people say has happened. Rest on any of them to read it, or see the table.",
+    "Jede Marke ist eine Kalibrierung mit ihrem 95-%-Intervall; voll: einmal freigegeben, hohl: nie. Graue Streifen: ein Sprung zwischen diesen Tagen. Dreiecke unten: in Gebrauch genommen, am Tag ihrer Messung. Rauten: Ereignisse, bei der Kalibrierung, die sie zeigt. Fahnen: was Menschen sagen, dass es geschah. Auf einem davon verweilen zeigt den Text, die Tabelle auch.",
   ],
+  wasInUse: ["was in use", "war in Gebrauch"],
   timeLineOf: ["{name} over time, {unit}, n = {n}", "{name} über der Zeit, {unit}, n = {n}"],
   notTold: [
     "{n} calibrations could not tell it",
@@ -583,6 +584,8 @@ const kTexts = {
     "Bis zu diesem Tag hört niemand davon, wie bei einer Maschine in Wartung. Dann ist es wieder da, wenn es noch besteht.",
   ],
   shelveUntil: ["Back on", "Wieder da am"],
+  rmsOf: ["{n} µm rms", "quadr. Mittel {n} µm"],
+  markWord: ["In your words (kept with the mark)", "In Ihren Worten (steht bei der Marke)"],
   word: ["In your words (kept with the event)", "In Ihren Worten (steht beim Ereignis)"],
   wordOptional: ["Why (kept with the event; may be empty)", "Warum (steht beim Ereignis; darf leer sein)"],
   wordNeeded: ["Write a word first.", "Schreiben Sie zuerst etwas."],

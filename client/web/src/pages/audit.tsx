@@ -61,7 +61,7 @@ export function AuditPage() {
             <Empty text={t("auditNone")} />
           ) : (
             <>
-              <Table label={t("auditTitle")} head={["#", t("time"), t("who"), t("action"), t("resource"), t("was"), t("became"), t("detail")]} numbers={[0]}>
+              <Table kind="dense" label={t("auditTitle")} head={["#", t("time"), t("who"), t("action"), t("resource"), t("was"), t("became"), t("detail")]} numbers={[0]}>
                 {page.entries.map((entry) => (
                   <tr key={String(entry.entryNumber)}>
                     <td class="number">{String(entry.entryNumber)}</td>
@@ -74,7 +74,7 @@ export function AuditPage() {
                     <td>
                       {entry.action} {entry.outcome !== "OK" && <span class="mark bad">{entry.outcome}</span>}
                     </td>
-                    <td>{entry.resource}</td>
+                    <td class="text">{entry.resource}</td>
                     <td class="text">{entry.was.slice(0, 200)}</td>
                     <td class="text">{entry.became.slice(0, 200)}</td>
                     <td class="text">{entry.detail}</td>

@@ -6,7 +6,7 @@ import { countText, dayText, numberText, probabilityText, save, sigmaText, timeT
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
-import { Empty, ErrorName, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, fieldOf } from "../parts";
+import { Empty, ErrorName, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport } from "../reports";
 import { may } from "../session";
 import { language, t, tMaybe } from "../text";
@@ -219,12 +219,13 @@ function Moves(props: { made: CompareCalibrationsResponse }) {
 }
 
 // What would change for the machine: this one less the one in use, as the server compares them.
-function Differences(props: { it: Calibration; inUse?: Calibration }) {
+function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: () => void }) {
   const { it, inUse } = props;
   const isOther = inUse !== undefined && inUse.calibrationId !== it.calibrationId;
   const found = useLoad(`differences ${it.calibrationId} ${inUse?.calibrationId}`, async () =>
     isOther ? calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: inUse.calibrationId }) : undefined,
   );
+  usePlaced(!isOther || found.data !== undefined || found.problem !== undefined, props.onPlaced);
   if (inUse === undefined) return <p>{t("differencesNone")}</p>;
   if (!isOther) return <p>{t("differencesSelf")}</p>;
   return (
@@ -234,6 +235,7 @@ function Differences(props: { it: Calibration; inUse?: Calibration }) {
           <Moves made={made} />
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
+            kind="dense"
             label={t("differences")}
             head={[t("error"), t("isClear"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint")]}
             numbers={[2, 3, 4, 5, 7]}
@@ -494,6 +496,7 @@ export function Pictures(props: { id: bigint }) {
 
 export function CalibrationPage(props: { id: bigint }) {
   const found = useLoad(`calibration ${props.id}`, () => load(props.id));
+  const [placed, setPlaced] = useState<bigint>();
   return (
     <>
     <Title text={t("calibrationN", { n: props.id })}>{found.data && <StateMark state={found.data.it.state} />}</Title>
@@ -547,8 +550,10 @@ export function CalibrationPage(props: { id: bigint }) {
             <Pictures id={it.calibrationId} />
             <section>
               <h2>{t("differences")}</h2>
-              <Differences it={it} inUse={data.inUse} />
+              <Differences it={it} inUse={data.inUse} onPlaced={() => setPlaced(it.calibrationId)} />
             </section>
+            {placed === it.calibrationId && (
+            <>
             <section>
               <h2>{t("provenance")}</h2>
               <dl class="facts">
@@ -576,6 +581,8 @@ export function CalibrationPage(props: { id: bigint }) {
               </p>
             </section>
             <MakeTable it={it} />
+            </>
+            )}
             {it.estimates.length === 0 && <Empty text={t("none")} />}
           </>
         );

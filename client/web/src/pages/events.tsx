@@ -190,7 +190,8 @@ export function EventsPage(props: { machineId?: string }) {
   return (
     <>
       <Title text={machineId ? t("eventsOf", { machine: machineId }) : t("eventsTitle")}>
-        {list.isLive && <span class="mark good">{t("live")}</span>}
+        {/* Its place is kept. */}
+        <span class={list.isLive ? "mark good" : "mark good placeholder"}>{t("live")}</span>
       </Title>
       {machineId && (
         <p class="lead">

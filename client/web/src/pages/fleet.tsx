@@ -1,10 +1,9 @@
 // Every machine at a glance, those that need care first.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { access, all, history, ingest, useLoad, type Problem } from "../api";
+import { all, history, ingest, useLoad, type Problem } from "../api";
 import { countText, dayText, numberText } from "../format";
 import { Care, type MachineCare } from "../gen/axiscal/v1/history_service_pb";
 import { Empty, ErrorWords, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
-import { isAdminOfAll } from "../session";
 import { language, t } from "../text";
 
 const kMostMachines = 5000;
@@ -100,19 +99,6 @@ function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; prob
   return { ids: new Set(found.data?.rows), isWhole: found.data?.isWhole ?? true, problem: found.problem };
 }
 
-// Of admins alone: others may not know in which groups a machine is.
-function useGroups(): Map<string, string[]> {
-  const found = useLoad("groups", async () =>
-    isAdminOfAll()
-      ? await all(kMostMachines, async (pageToken) => {
-          const page = await access.listMachineAccess({ pageSize: 1000, pageToken });
-          return { rows: page.machines, nextPageToken: page.nextPageToken };
-        })
-      : undefined,
-  );
-  return useMemo(() => new Map((found.data?.rows ?? []).map((machine) => [machine.machineId, machine.groups])), [found.data]);
-}
-
 // Made anew only when something of its machine is new, not at each key in the filter. `isNews`: it needs something else now than by its place.
 function FleetRow(props: { of: MachineCare; isNews: boolean }) {
   const { of, isNews } = props;
@@ -170,16 +156,15 @@ function FleetTable(props: { fleet: Fleet }) {
   const [group, setGroup] = useState("");
   const [label, setLabel] = useState("");
   const labelled = useLabelled(label);
-  const groupsOf = useGroups();
   const [most, setMost] = useState(kShownAtOnce);
   const { rows, placed, isStale, order } = useOrdered(fleet);
   const words = filter.toLowerCase();
   const fits = rows.filter(
-    (row) => row.machineId.toLowerCase().includes(words) && (group === "" || (groupsOf.get(row.machineId) ?? []).includes(group)) &&
+    (row) => row.machineId.toLowerCase().includes(words) && (group === "" || row.groups.includes(group)) &&
       (labelled.ids === undefined || labelled.ids.has(row.machineId)),
   );
   const shown = fits.slice(0, useFew(JSON.stringify([words, group, label]), most));
-  const groups = useMemo(() => [...new Set([...groupsOf.values()].flat())].sort(), [groupsOf]);
+  const groups = useMemo(() => [...new Set(fleet.rows.flatMap((row) => row.groups))].sort(), [fleet]);
   const calibrated = rows.filter((row) => row.inUse || row.waiting > 0n);
   const looked = calibrated.filter((row) => row.isFollowed).length;
   return (
@@ -201,7 +186,7 @@ function FleetTable(props: { fleet: Fleet }) {
           {t("filter")}
           <input type="search" value={filter} onInput={(event) => setFilter(event.currentTarget.value)} />
         </label>
-        {isAdminOfAll() && (
+        {groups.length > 0 && (
           <label>
             {t("group")}
             <select value={group} onChange={(event) => setGroup(event.currentTarget.value)}>

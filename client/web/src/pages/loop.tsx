@@ -73,7 +73,7 @@ function BeforeAfter(props: { report: LoopReport }) {
       {volumetric && (
         <>
           <h3>{t("toolPoint")}</h3>
-          <p>{volumetric.box.map((b) => `${b.axis} ${numberText(b.from, 4)} … ${numberText(b.to, 4)} ${b.unit}`).join(", ")}</p>
+          <p>{volumetric.box.map((b) => `${b.axis} ${numberText(b.from, 4)} … ${numberText(b.to, 4)} ${unitText(b.unit)}`).join(", ")}</p>
           <Table label={t("toolPoint")} head={[t("state"), `${t("rmsUm")} [${t("interval")}]`]} numbers={[1]}>
             <tr>
               <th scope="row">{t("asIs")}</th>
@@ -111,7 +111,7 @@ function Effects(props: { report: LoopReport }) {
             </h3>
             <p>
               {t("amplitude")}: {valueText(effect.amplitude, effect.amplitude_sigma)} ± {sigmaText(effect.amplitude_sigma)}{" "}
-              {unitText(effect.unit)}; {numberText(effect.rms_um)} µm rms
+              {unitText(effect.unit)}; {t("rmsOf", { n: numberText(effect.rms_um) })}
             </p>
             {others.length > 0 && (
               <p>
@@ -180,7 +180,7 @@ function Rest(props: { report: LoopReport }) {
                   {one.kind}
                 </th>
                 <td>
-                  {[one.session, one.variable, one.from !== undefined && one.to !== undefined ? `${numberText(one.from, 4)} … ${numberText(one.to, 4)} ${one.unit ?? ""}` : ""]
+                  {[one.session, one.variable, one.from !== undefined && one.to !== undefined ? `${numberText(one.from, 4)} … ${numberText(one.to, 4)} ${unitText(one.unit ?? "")}` : ""]
                     .filter(Boolean)
                     .join(" ")}
                 </td>

@@ -10,10 +10,10 @@ import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/j
 import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { isNew, isOpen, isShelved, listEvents } from "../events";
-import type { Event, GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
-import { TimeLine, type Band, type TimePoint } from "../charts";
+import { EventKind, type Event, type GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
+import { TimeLine, type Band, type EventMark, type TimePoint } from "../charts";
 import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
-import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf } from "../parts";
+import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf, usePlaced } from "../parts";
 import { isoWords } from "../iso";
 import { may } from "../session";
 import { kindText } from "./events";
@@ -35,7 +35,7 @@ interface MachineData {
   drift: FindDriftResponse;
   sessions: Session[];
   sessionsWhole: boolean;
-  events: Event[]; // that stand, newest first
+  events: Event[]; // newest first
   expected: GetExpectationsResponse;
 }
 
@@ -52,7 +52,7 @@ async function loadMachine(machineId: string): Promise<MachineData> {
       const page = await ingest.listSessions({ machineId, state: SessionState.COMPLETE, pageSize: kMostSessions, pageToken });
       return { rows: page.sessions, nextPageToken: page.nextPageToken };
     }),
-    listEvents(machineId, true),
+    listEvents(machineId, false),
     events.getExpectations({ machineId }),
   ]);
   return {
@@ -124,6 +124,19 @@ function bandsOf(findings: DriftFinding[], symbol: string): Band[] {
   return findings
     .filter((f) => f.kind === DriftFindingKind.STEP && f.afterUtcUs && f.byUtcUs && f.amounts.some((a) => a.symbol === symbol))
     .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: f.text }));
+}
+
+// Events about an error, each at the calibration that shows it; several of one time are one. Steps are bands already.
+function eventsOf(data: MachineData, symbol: string, machineId: string): EventMark[] {
+  const measured = new Map(data.list.map((c) => [c.calibrationId, c.provenance?.measuredUtcUs]));
+  const found = new Map<bigint, string[]>();
+  for (const event of data.events) {
+    if (event.kind === EventKind.STEP || !(event.subject === symbol || event.amounts.some((one) => one.symbol === symbol))) continue;
+    const us = (event.calibrationId === undefined ? undefined : measured.get(event.calibrationId)) ?? event.raisedUtcUs;
+    found.set(us, [...(found.get(us) ?? []), `${kindText(event)}: ${event.text}${isOpen(event) ? "" : ` (${t("eventCleared")})`}`]);
+  }
+  const href = `#/events/${encodeURIComponent(machineId)}`;
+  return [...found].map(([us, texts]) => ({ us, label: `${dayText(us)}, ${texts.join("; ")}`, href }));
 }
 
 const kHourUs = 3_600_000_000n;
@@ -240,13 +253,16 @@ function Due(props: { data: MachineData; machineId: string }) {
 const figureText = (figures?: VolumetricFigures) =>
   figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}, ${numberText(figures.rms.highUm)}]`;
 
-// How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for.
-function Volumetric(props: { machineId: string; inUse?: Calibration }) {
+// How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for. `onPlaced`: it
+// is as high now as it will be, so that what stands below may be shown.
+function Volumetric(props: { machineId: string; inUse?: Calibration; onPlaced: () => void }) {
   const id = props.inUse?.calibrationId;
   const [isAsked, setAsked] = useState(false);
   const found = useLoad(`volumetric ${id}`, async () =>
     id === undefined ? undefined : (await calibrations.getVolumetricError({ calibrationId: id })).error,
   );
+  const isPlaced = found.data !== undefined || found.problem !== undefined;
+  usePlaced(isPlaced, props.onPlaced);
   const past = useLoad(`volumetric history ${props.machineId} ${isAsked}`, async () =>
     isAsked ? (await calibrations.listVolumetricErrors({ machineId: props.machineId, pageSize: 40 })).errors : undefined,
   );
@@ -285,7 +301,7 @@ function Volumetric(props: { machineId: string; inUse?: Calibration }) {
           )}
         </Show>
       )}
-      {!isAsked ? (
+      {!isPlaced ? null : !isAsked ? (
         <p class="buttons">
           <button type="button" class="quiet" onClick={() => setAsked(true)}>
             {t("volumetricPast")}
@@ -346,6 +362,7 @@ function VolumetricPast(props: { machineId: string; list: VolumetricError[] }) {
             bands={[]}
             approvals={[]}
             marks={[]}
+            events={[]}
             foretold={[]}
             fromUs={first - room}
             toUs={last + room}
@@ -411,7 +428,7 @@ function Marks(props: { data: MachineData; machineId: string }) {
       {marks.length === 0 ? (
         <p>{t("marksNone")}</p>
       ) : (
-        <Table label={t("marks")} head={[t("time"), t("kind"), t("markErrors"), t("word"), t("by"), ...(mayAct ? [t("withdraw")] : [])]}>
+        <Table label={t("marks")} head={[t("time"), t("kind"), t("markErrors"), t("notes"), t("by"), ...(mayAct ? [t("withdraw")] : [])]}>
           {marks.map((mark) => (
             <tr key={String(mark.markId)}>
               <th scope="row">{timeText(mark.atUtcUs)}</th>
@@ -463,7 +480,7 @@ function Marks(props: { data: MachineData; machineId: string }) {
             </label>
           )}
           <label>
-            {t("word")}
+            {t("markWord")}
             <input name="note" required autocomplete="off" />
           </label>
         </FormDialog>
@@ -542,6 +559,16 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
           const forecast = forecasts.get(series.symbol);
           const later = forecast?.points ?? [];
           const told = t("forecast");
+          const bands = bandsOf(data.drift.findings, series.symbol).filter((b) => b.toUs > from && b.fromUs < to);
+          const marks = data.drift.marks.filter((m) => m.symbols.length === 0 || m.symbols.includes(series.symbol));
+          const heard = eventsOf(data, series.symbol, props.machineId).filter((one) => one.us >= from && one.us <= to);
+          const isoTime = (us: bigint) => new Date(Number(us / 1000n)).toISOString();
+          // What has no value, in the table and in the file.
+          const toldOf = [
+            ...bands.map((b) => ({ us: b.toUs, text: b.label })),
+            ...marks.map((m) => ({ us: m.atUtcUs, text: `${markText(m)}: ${m.note}` })),
+            ...heard.map((one) => ({ us: one.us, text: one.label })),
+          ];
           return (
             <Figure
               name={`${props.machineId}-${series.symbol}`}
@@ -549,10 +576,11 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
                 series.notIdentifiableCount > 0n ? `${caption}; ${t("notTold", { n: countText(series.notIdentifiableCount) })}` : caption
               }
               head={[t("time"), `${t("value")} (${unit})`, "95 % −", "95 % +", `1 σ (${unit})`, t("notes")]}
+              words={5}
               rows={[
-                ...points.map((p) => [new Date(Number(p.us / 1000n)).toISOString(), p.value, p.low, p.high, p.sigma, ""]),
-                ...later.map((p) => [new Date(Number(p.atUtcUs / 1000n)).toISOString(), p.value, p.low, p.high, undefined, "forecast, 90 %"]),
-                ...data.drift.marks.map((m) => [new Date(Number(m.atUtcUs / 1000n)).toISOString(), undefined, undefined, undefined, undefined, m.note]),
+                ...points.map((p) => [isoTime(p.us), p.value, p.low, p.high, p.sigma, p.wasApproved ? t("wasInUse") : ""]),
+                ...later.map((p) => [isoTime(p.atUtcUs), p.value, p.low, p.high, undefined, "forecast, 90 %"]),
+                ...toldOf.map((one) => [isoTime(one.us), undefined, undefined, undefined, undefined, one.text]),
               ]}
               shown={[
                 ...points.map((p) => [
@@ -561,20 +589,19 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
                   valueText(p.low, p.sigma),
                   valueText(p.high, p.sigma),
                   p.sigma === undefined ? "–" : sigmaText(p.sigma),
-                  "",
+                  p.wasApproved ? t("wasInUse") : "",
                 ]),
                 ...later.map((p) => [dayText(p.atUtcUs), numberText(p.value, 4), numberText(p.low, 4), numberText(p.high, 4), "–", `${told}, 90 %`]),
-                ...data.drift.marks.map((m) => [dayText(m.atUtcUs), "–", "–", "–", "–", `${markText(m)}: ${m.note}`]),
+                ...toldOf.map((one) => [dayText(one.us), "–", "–", "–", "–", one.text]),
               ]}
             >
               <TimeLine
                 title={caption}
                 points={points}
-                bands={bandsOf(data.drift.findings, series.symbol).filter((b) => b.toUs > from && b.fromUs < to)}
+                bands={bands}
                 approvals={approvals}
-                marks={data.drift.marks
-                  .filter((m) => m.symbols.length === 0 || m.symbols.includes(series.symbol))
-                  .map((m) => ({ us: m.atUtcUs, label: `${dayText(m.atUtcUs)}, ${markText(m)}: ${m.note}` }))}
+                marks={marks.map((m) => ({ us: m.atUtcUs, label: `${dayText(m.atUtcUs)}, ${markText(m)}: ${m.note}` }))}
+                events={heard}
                 foretold={later.map((p) => ({ us: p.atUtcUs, value: p.value, low: p.low, high: p.high }))}
                 fromUs={from}
                 toUs={to}
@@ -841,6 +868,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
 export function MachinePage(props: { machineId: string }) {
   const machine = useLoad(`machine ${props.machineId}`, () => loadMachine(props.machineId), 60_000);
   const [limits, setLimits] = useState(new Map<string, [number, number]>());
+  const [placed, setPlaced] = useState("");
   return (
     <>
       <Title text={props.machineId} />
@@ -873,14 +901,18 @@ export function MachinePage(props: { machineId: string }) {
                 <Findings data={data} />
               </section>
               <OpenEvents data={data} machineId={props.machineId} />
-              <Volumetric machineId={props.machineId} inUse={inUse} />
-              <Due data={data} machineId={props.machineId} />
-              <History data={data} machineId={props.machineId} limits={limits} />
-              <Marks data={data} machineId={props.machineId} />
-              <Limits machineId={props.machineId} data={data} onLimits={setLimits} />
-              <CalibrationList data={data} />
-              {!data.isWhole && <p>{t("notAll", { n: data.list.length })}</p>}
-              <NewCalibration data={data} machineId={props.machineId} />
+              <Volumetric machineId={props.machineId} inUse={inUse} onPlaced={() => setPlaced(props.machineId)} />
+              {(inUse === undefined || placed === props.machineId) && (
+                <>
+                  <Due data={data} machineId={props.machineId} />
+                  <History data={data} machineId={props.machineId} limits={limits} />
+                  <Marks data={data} machineId={props.machineId} />
+                  <Limits machineId={props.machineId} data={data} onLimits={setLimits} />
+                  <CalibrationList data={data} />
+                  {!data.isWhole && <p>{t("notAll", { n: data.list.length })}</p>}
+                  <NewCalibration data={data} machineId={props.machineId} />
+                </>
+              )}
             </>
           );
         }}

@@ -356,7 +356,7 @@ export function RoutinesPage() {
           )
         }
       </Show>
-      <Runs />
+      {(found.data || found.problem) && <Runs />}
       {isNew && <Edit onClose={() => setNew(false)} />}
     </>
   );
