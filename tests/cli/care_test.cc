@@ -15,10 +15,10 @@ using testing::Outcome;
 using testing::ServerProcess;
 using testing::Source;
 
-constexpr int kRefused = 5, kNotFound = 4;
-
 class CareCommand : public testing::CommandLine {
  protected:
+  static constexpr int kRefused = 5, kNotFound = 4;
+
   Outcome Ok(const std::string& arguments) const {
     Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments << ": " << outcome.err;
