@@ -39,7 +39,8 @@ class CareCommand : public testing::CommandLine {
   }
   std::vector<std::string> Machines(const std::string& arguments) const {
     std::vector<std::string> names;
-    for (const auto& machine : Ok(arguments + " --json").Json()["machines"]) names.push_back(machine["machine"]);
+    const nlohmann::json fleet = Ok(arguments + " --json").Json();
+    for (const auto& machine : fleet["machines"]) names.push_back(machine["machine"]);
     return names;
   }
 };

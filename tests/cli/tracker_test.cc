@@ -134,11 +134,12 @@ TEST_F(Tracker, FromTheLogToTheReport) {
   const auto report = Run("report 1 -o report.html");
   ASSERT_EQ(report.exit_code, 0) << report.err;
   EXPECT_THAT(Read("report.html"), HasSubstr("the tracker itself moved"));
-  // The loop blames the machine for nothing of it either.
+  // The loop names nothing of it that would be corrected: how the stand went between two looks, beyond steadily, may
+  // stay as a curve over the time.
   const auto found = Run("close-loop --machine mt --fit tracker-references");
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("the tracker itself moved"));
-  EXPECT_THAT(found.out, Not(ContainsRegex("[+] [^\n]*(drift|time-curve)")));
+  EXPECT_THAT(found.out, Not(ContainsRegex("[+] [^\n]*drift")));
 }
 
 // Without the references the same readings tell another machine.
