@@ -9,7 +9,6 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/record_output.h"
-#include "core/base/error_detail.h"
 
 namespace axiscal::cli {
 namespace {
@@ -132,10 +131,9 @@ absl::Status KeepGroup(const std::string& group, std::vector<MachineCare>& fleet
   std::set<std::string> known;
   for (const MachineCare& care : fleet) known.insert(care.groups.begin(), care.groups.end());
   if (!known.contains(group)) {
-    return base::Error(absl::StatusCode::kNotFound,
-                       absl::StrCat("--group: none of the machines that you may see is in a group \"", group, "\"; ",
-                                    known.empty() ? "they are in none" : "there are: " + absl::StrJoin(known, ", ")),
-                       {"GROUP_NOT_FOUND", {{"group", group}}});
+    return absl::NotFoundError(
+        absl::StrCat("--group: none of the machines that you may see is in a group \"", group, "\"; ",
+                     known.empty() ? "they are in none" : "there are: " + absl::StrJoin(known, ", ")));
   }
   std::erase_if(fleet, [&](const MachineCare& care) { return !IsIn(care, group); });
   return absl::OkStatus();

@@ -127,7 +127,7 @@ TEST_F(ShopPrograms, WhatIsStatedGoesBeforeTheProfile) {
   EXPECT_THAT(head("--offset 'G154  P01 X=1 Y=2 Z=3'"),
               AllOf(HasSubstr("AXISCAL OFFSET G154 P1 X1 Y2 Z3 MM"), Not(HasSubstr("G154 P1 X120"))));
   EXPECT_THAT(head("--offset 'G54 X=21'"),
-              HasSubstr("does not state all that the machine's profile states of G54 (Y, Z)"));
+              HasSubstr("'G54' does not state all that the machine's profile states of it (Y, Z)"));
   EXPECT_THAT(head("--tool-length H04=130"), HasSubstr("AXISCAL TOOL LENGTH 4 IS 130 MM"));
   ASSERT_EQ(
       Run("machine profile put mt --unit mm --tool-tip '0 0 -150' --integer-words increments --decimals 3").exit_code,

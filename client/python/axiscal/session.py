@@ -20,7 +20,7 @@ from axiscal.v1 import session_pb2
 PathLike = Union[str, "os.PathLike[str]"]
 
 # Columns of names; all others are numbers (core/session/instrument_format.cc).
-TEXT_COLUMNS = ("feature", "rod", "run")
+TEXT_COLUMNS = ("feature", "rod", "run", "target")
 MAX_SESSION_BYTES = 256 << 20  # core/session/line_reader.h
 _NEWLINE = b"\n"
 _NUMBER_CHARACTERS = frozenset("0123456789+-.eE")

@@ -72,6 +72,7 @@ export function Empty(props: { text: string; first?: string; children?: Componen
 
 // As many columns as a phone has room for.
 const kFewColumns = 2;
+const kManyColumns = 8; // beside each other in 1200 px only where none is held wide
 
 // Wide tables scroll in a box of their own, which the keyboard reaches. Of more columns than a phone has room for a row is a card there: each
 // cell then says by `data-head` what it is. With `cards` the rows say that themselves.
@@ -98,8 +99,9 @@ export function Table(props: {
     }
   });
   const layout = props.cards ? "cards" : areNamed ? "cards named" : "";
+  const kind = props.kind ?? (props.head.length >= kManyColumns ? "dense" : "");
   return (
-    <div class={`scroll ${layout} ${props.kind ?? ""}`} role="region" aria-label={props.label} tabIndex={0}>
+    <div class={`scroll ${layout} ${kind}`} role="region" aria-label={props.label} tabIndex={0}>
       <table ref={table}>
         <thead>
           <tr>

@@ -61,7 +61,7 @@ export function AuditPage() {
             <Empty text={t("auditNone")} />
           ) : (
             <>
-              <Table kind="dense" label={t("auditTitle")} head={["#", t("time"), t("who"), t("action"), t("resource"), t("was"), t("became"), t("detail")]} numbers={[0]}>
+              <Table label={t("auditTitle")} head={["#", t("time"), t("who"), t("action"), t("resource"), t("was"), t("became"), t("detail")]} numbers={[0]}>
                 {page.entries.map((entry) => (
                   <tr key={String(entry.entryNumber)}>
                     <td class="number">{String(entry.entryNumber)}</td>

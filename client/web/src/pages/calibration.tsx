@@ -235,7 +235,6 @@ function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: (
           <Moves made={made} />
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
-            kind="dense"
             label={t("differences")}
             head={[t("error"), t("isClear"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint")]}
             numbers={[2, 3, 4, 5, 7]}
