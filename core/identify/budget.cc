@@ -22,14 +22,4 @@ absl::Status CheckSessions(const Budget& budget, const std::vector<std::string>&
   return absl::OkStatus();
 }
 
-absl::Status CheckFeatures(const Budget& budget, const std::vector<std::string>& touching) {
-  for (const Source& source : budget.sources) {
-    const auto acts_in = [&](const std::string& session) { return source.ActsIn(session); };
-    if (source.drawn_per != DrawnPer::kFeature || std::any_of(touching.begin(), touching.end(), acts_in)) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("budget: source '", source.name, "' is drawn per feature, but acts in no session of touches"));
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace axiscal::identify

@@ -17,7 +17,6 @@ enum class Distribution { kUniform, kNormal };
 // How long one draw stands.
 enum class DrawnPer {
   kReading,  // a positioning error of every pose
-  kFeature,  // a face of an artefact that is not where its certificate or drawing says: one draw for all its touches
   kSession,  // an error of each mounting
   kRun       // a squareness that nobody identifies: one draw for all sessions
 };
@@ -54,10 +53,6 @@ absl::StatusOr<Budget> ReadBudget(const std::string& text, const machine::Machin
 
 // INVALID_ARGUMENT for a source of a session that is not among `sessions`.
 absl::Status CheckSessions(const Budget& budget, const std::vector<std::string>& sessions);
-
-// INVALID_ARGUMENT for a source that is drawn per feature where no session in which it acts touches any; `touching`:
-// names of those that do.
-absl::Status CheckFeatures(const Budget& budget, const std::vector<std::string>& touching);
 
 }  // namespace axiscal::identify
 

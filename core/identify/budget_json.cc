@@ -55,14 +55,12 @@ absl::Status ReadDrawn(const json& object, const std::string& where, Source* sou
   const std::string word = found != object.end() && found->is_string() ? found->get<std::string>() : "";
   if (word == "reading") {
     source->drawn_per = DrawnPer::kReading;
-  } else if (word == "feature") {
-    source->drawn_per = DrawnPer::kFeature;
   } else if (word == "session") {
     source->drawn_per = DrawnPer::kSession;
   } else if (word == "run") {
     source->drawn_per = DrawnPer::kRun;
   } else {
-    return Refuse(where, text + ", expected \"reading\", \"feature\", \"session\" or \"run\"");
+    return Refuse(where, text + ", expected \"reading\", \"session\" or \"run\"");
   }
   return absl::OkStatus();
 }
@@ -114,8 +112,6 @@ absl::StatusOr<Source> ReadSource(const json& object, const std::string& where, 
   RETURN_IF_ERROR(ReadDrawn(object, where, &source));
   RETURN_IF_ERROR(ReadSessions(object, where, &source));
   RETURN_IF_ERROR(ReadEffect(object, where, machine, &source));
-  if (source.drawn_per == DrawnPer::kFeature && !source.is_reading)
-    return Refuse(where, "'drawn' = \"feature\" goes with \"reading\": true alone: it is the artefact that is off");
   return source;
 }
 

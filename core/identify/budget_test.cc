@@ -53,17 +53,6 @@ TEST(Budget, APreTravelLobeIsASource) {
   EXPECT_NEAR(budget->sources[0].scale, 2e-3, 1e-15);
 }
 
-TEST(Budget, FeaturesAreOfTouches) {
-  const auto budget = ReadBudget(
-      WithSources(R"({"name": "faces", "reading": true, "sigma": 1, "drawn": "feature", "sessions": ["I"]})"),
-      kMachine);
-  ASSERT_TRUE(budget.ok()) << budget.status();
-  EXPECT_EQ(budget->sources[0].drawn_per, DrawnPer::kFeature);
-  EXPECT_TRUE(CheckFeatures(*budget, {"II", "I"}).ok());
-  EXPECT_THAT(std::string(CheckFeatures(*budget, {"II"}).message()),
-              HasSubstr("source 'faces' is drawn per feature, but acts in no session of touches"));
-}
-
 struct Bad {
   const char* text;
   const char* message;
@@ -99,8 +88,6 @@ TEST(Budget, SaysWhereItIsWrong) {
        "'phase_deg' is what is drawn"},
       {R"({"name": "a", "symbol": "EC0C", "sigma": 1, "drawn": "run", "sessions": "I"})", "expected names of sessions"},
       {R"({"name": "a", "reading": true, "symbol": "EC0C", "sigma": 1, "drawn": "run"})", "does not go with 'reading'"},
-      {R"({"name": "a", "symbol": "EC0C", "sigma": 1, "drawn": "feature"})",
-       "'drawn' = \"feature\" goes with \"reading\": true alone"},
       {R"({"name": "a", "reading": true, "sigma": 1, "drawn": "run"}, {"name": "a", "reading": true, "sigma": 1,
            "drawn": "run"})",
        "sources[1]: 'a' is there twice"},

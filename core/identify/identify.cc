@@ -146,13 +146,9 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
     problem.fixed_covariance = options.held_errors->covariance;
   }
   if (options.budget) {
-    std::vector<std::string> names, touching;
-    for (const MeasuringRun& run : problem.runs) {
-      names.push_back(run.session);
-      if (run.kind == instruments::Kind::kTouch) touching.push_back(run.session);
-    }
+    std::vector<std::string> names;
+    for (const MeasuringRun& run : problem.runs) names.push_back(run.session);
     RETURN_IF_ERROR(CheckSessions(*options.budget, names));
-    RETURN_IF_ERROR(CheckFeatures(*options.budget, touching));
     WeighRows(*options.budget, model, &problem);
   }
   ASSIGN_OR_RETURN(Fit fit, FitProblem(std::move(problem), model, options));

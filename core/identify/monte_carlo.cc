@@ -37,20 +37,12 @@ class Draws {
       if (acts[i] && !budget_.sources[i].is_reading) machine::AddErrors(drawn_[i], state, errors);
     }
   }
-  // What they add to one row of a reading. Those of readings are drawn anew for each row, those of features for each
-  // feature once; `feature`: the name of what the reading is of, empty where that is none.
-  double OnRow(const std::vector<bool>& acts, const std::string& feature) {
+  // What they add to one row of a reading. Those of readings are drawn anew for each row.
+  double OnRow(const std::vector<bool>& acts) {
     double sum_mm = 0.0;
     for (size_t i = 0; i < drawn_.size(); ++i) {
       const Source& source = budget_.sources[i];
       if (!acts[i] || !source.is_reading) continue;
-      if (source.drawn_per == DrawnPer::kFeature) {
-        if (feature.empty()) continue;
-        const auto [off_mm, is_new] = of_feature_mm_.try_emplace({i, feature}, 0.0);
-        if (is_new) off_mm->second = source.scale * Standard(source.distribution);
-        sum_mm += off_mm->second;
-        continue;
-      }
       sum_mm += source.drawn_per == DrawnPer::kReading ? source.scale * Standard(source.distribution)
                                                        : drawn_[i].amplitude[0];
     }
@@ -64,16 +56,8 @@ class Draws {
 
   const Budget& budget_;
   base::Random& random_;
-  std::vector<machine::ErrorTerm> drawn_;                           // the sources' terms with the amplitudes that stand
-  std::map<std::pair<size_t, std::string>, double> of_feature_mm_;  // by source and feature
+  std::vector<machine::ErrorTerm> drawn_;  // the sources' terms with the amplitudes that stand
 };
-
-// The name of what a touch is of; empty of any other reading.
-std::string FeatureOf(const MeasuringRun& run, int reading) {
-  if (run.kind != instruments::Kind::kTouch) return "";
-  const auto feature = static_cast<size_t>(run.touches.feature_of[static_cast<size_t>(reading)]);
-  return run.touches.features[feature].name;
-}
 
 // One set of sessions as it might have been measured.
 class Simulator {
@@ -158,7 +142,7 @@ class Simulator {
       instruments::PredictWith(*fit_.problem.machine, *run, k, errors_at, setup, predicted_mm);
       for (int row = 0; row < run->row_count; ++row) {
         run->measured_mm(row, k) =
-            predicted_mm[row] + sigma_mm * ripple[row].Next(*random) + draws->OnRow(acts_[index], FeatureOf(*run, k));
+            predicted_mm[row] + sigma_mm * ripple[row].Next(*random) + draws->OnRow(acts_[index]);
       }
     }
   }

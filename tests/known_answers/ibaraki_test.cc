@@ -3,13 +3,11 @@
 // the one engine.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "core/decide/close_loop.h"
 #include "core/identify/identify.h"
-#include "core/identify/monte_carlo.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/ibaraki_columns.h"
@@ -295,74 +293,6 @@ TEST(Ibaraki, MapsAndAPlaceThatNobodyKnowsAreNotSeparable) {
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->rank, 144 - 6);
   EXPECT_EQ(result->not_separable.size(), 6u);
-}
-
-// Faces that stand off by a micrometre each, as the artefact's certificate allows: what that leaves in the maps is what
-// each of fifteen faces does to them, by itself, root of the sum of squares; the budget says so (docs/formats.md).
-TEST(Ibaraki, ErrorsOfTheArtefactSpreadTheMaps) {
-  const machine::ErrorModel asked = Model(R"({"EX0C": 0, "EA0C": 0, "terms": [
-      {"symbol": "EZA", "shape": "tabulated", "variable": "A", "nodes_deg": [-90, -60, -30, 0], "amplitude": 0},
-      {"symbol": "ECC", "shape": "tabulated", "variable": "C", "nodes_deg": [0, 60, 120, 180, 240, 300],
-       "zero_mean": true, "amplitude": 0}]})");
-  synthetic::NoiseOptions exact;
-  exact.sigma_scale = 0.0;
-  exact.draw_setup = false;
-  identify::Options options;
-  options.model = asked;
-  options.set_outliers_aside = false;
-  options.scale_uncertainties = false;
-  const auto fit_with = [&](const session::Session& artefact) {
-    session::Session session = synthetic::Simulate(TiltingTableAc(), {}, artefact, exact).value();
-    session.header = ColumnsSession().header;
-    return identify::FitSessions(TiltingTableAc(), {session}, options).value();
-  };
-  const identify::Fit fit = fit_with(ColumnsSession());
-  constexpr double kOffMm = 1e-3;
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit.result.estimates.size()));
-  int faces = 0;
-  for (size_t h = 0; h < ColumnsSession().header.size(); ++h) {
-    session::Session artefact = ColumnsSession();
-    session::HeaderEntry& entry = artefact.header[h];
-    double p[6];
-    if (entry.key.rfind("plane ", 0) != 0) continue;
-    ASSERT_EQ(std::sscanf(entry.value.c_str(), "%lf %lf %lf %lf %lf %lf", p, p + 1, p + 2, p + 3, p + 4, p + 5), 6);
-    entry.value = absl::StrFormat("%.6f %.6f %.6f %.9f %.9f %.9f", p[0] + kOffMm * p[3], p[1] + kOffMm * p[4],
-                                  p[2] + kOffMm * p[5], p[3], p[4], p[5]);
-    const identify::Fit off = fit_with(artefact);
-    for (Eigen::Index i = 0; i < squares.size(); ++i) {
-      const auto at = static_cast<size_t>(i);
-      squares[i] += std::pow(off.result.estimates[at].value - fit.result.estimates[at].value, 2);
-    }
-    ++faces;
-  }
-  EXPECT_EQ(faces, 15);
-  identify::MonteCarloOptions drawn;
-  drawn.runs = 400;
-  drawn.budget = identify::ReadBudget(R"({"axiscal": "budget/1", "reading_noise": false, "sources": [
-      {"name": "faces of the columns", "reading": true, "sigma": 1, "drawn": "feature"}]})",
-                                      TiltingTableAc())
-                     .value();
-  const auto spread = identify::MonteCarlo(fit, drawn);
-  ASSERT_TRUE(spread.ok()) << spread.status();
-  int maps = 0;
-  for (const identify::Spread& one : spread->spreads) {
-    const auto at = std::find_if(fit.result.estimates.begin(), fit.result.estimates.end(),
-                                 [&](const identify::Estimate& estimate) { return estimate.name == one.name; });
-    ASSERT_NE(at, fit.result.estimates.end()) << one.name;
-    const double expected = std::sqrt(squares[at - fit.result.estimates.begin()]);
-    EXPECT_NEAR(one.sigma / expected, 1.0, 4.0 / std::sqrt(2.0 * 400)) << one.name;
-    // The touches' own noise is nothing beside it.
-    EXPECT_GT(one.sigma, 2.0 * one.linear_sigma) << one.name;
-    maps += one.name.find("tabulated") != std::string::npos;
-  }
-  EXPECT_GE(maps, 5);
-  identify::Options of_balls = options;
-  of_balls.budget = drawn.budget;
-  of_balls.budget->sources[0].sessions = {"nowhere"};
-  EXPECT_FALSE(identify::FitSessions(TiltingTableAc(),
-                                     {synthetic::Simulate(TiltingTableAc(), {}, ColumnsSession(), exact).value()},
-                                     of_balls)
-                   .ok());
 }
 
 // Columns that move by 4 um between two touches are said to have moved, in that session at that moment.
