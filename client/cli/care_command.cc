@@ -44,7 +44,7 @@ CareNames CareNamesOf(Care care) {
 
 Json CareJson(const MachineCare& care) {
   Json findings = Json::Array(), in_use;
-  for (const MachineCare::Finding& finding : care.findings)
+  for (const records::StandingFinding& finding : care.findings)
     findings.push_back({{"kind", DriftKindName(finding.kind)}, {"text", finding.text}, {"at", TimeJson(finding.at)}});
   if (care.in_use) {
     in_use = {{"calibration", care.in_use->calibration.number()},
@@ -68,7 +68,7 @@ Json CareJson(const MachineCare& care) {
 std::vector<std::string> Reasons(const MachineCare& care) {
   const std::string machine = care.machine.text();
   std::vector<std::string> reasons;
-  for (const MachineCare::Finding& finding : care.findings) reasons.push_back(finding.text);
+  for (const records::StandingFinding& finding : care.findings) reasons.push_back(finding.text);
   if (care.new_events > 0) {
     reasons.push_back(absl::StrCat(care.new_events == 1
                                        ? "an event that nobody has seen: "

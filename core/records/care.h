@@ -1,4 +1,4 @@
-// What each machine of a fleet needs, as the service hands it out.
+// What each machine of a fleet needs, at a glance.
 #ifndef AXISCAL_CORE_RECORDS_CARE_H_
 #define AXISCAL_CORE_RECORDS_CARE_H_
 
@@ -21,13 +21,14 @@ enum class Care {
   kGood = 4,     // nothing
 };
 
+// What the calibration in use cannot know of: a step, or that the last calibration is doubtful.
+struct StandingFinding {
+  DriftKind kind = DriftKind::kStep;  // kStep, kSuspect or kUnstable
+  base::UtcTime at;                   // of the calibration with which it was found
+  std::string text;                   // in words
+};
+
 struct MachineCare {
-  // What the calibration in use cannot know of: a step, or that the last calibration is doubtful.
-  struct Finding {
-    DriftKind kind = DriftKind::kStep;
-    std::string text;  // in words
-    base::UtcTime at;  // of the calibration with which it was found
-  };
   struct InUse {
     CalibrationId calibration;
     int64_t version = 0;
@@ -36,14 +37,21 @@ struct MachineCare {
   };
   MachineId machine;
   Care care = Care::kUnknown;
-  std::vector<Finding> findings;  // the oldest first
-  int64_t new_events = 0;         // that stand, are not shelved, and that nobody has acknowledged
-  std::string newest_event;       // the words of the newest of these
+  std::vector<StandingFinding> findings;  // the oldest first
+  int64_t new_events = 0;                 // that stand, are not shelved, and that nobody has acknowledged
+  std::string newest_event;               // the words of the newest of these
   std::optional<InUse> in_use;
   int64_t waiting = 0;              // candidates that were measured later than what is in use
   bool is_followed = false;         // nothing has changed since its history was looked through
   std::vector<std::string> groups;  // that it is in, in order
 };
+
+// By what else is there.
+inline Care CareOf(const MachineCare& machine) {
+  if (machine.new_events > 0 || !machine.findings.empty()) return Care::kNow;
+  if (machine.waiting > 0) return Care::kDecide;
+  return machine.in_use ? Care::kGood : Care::kUnknown;
+}
 
 }  // namespace axiscal::records
 

@@ -255,6 +255,31 @@ absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& mess
   return report;
 }
 
+v1::MachineCare ToProto(const records::MachineCare& care) {
+  v1::MachineCare message;
+  message.set_machine_id(care.machine.text());
+  message.set_care(static_cast<v1::Care>(care.care));
+  for (const records::StandingFinding& finding : care.findings) {
+    v1::StandingFinding& added = *message.add_findings();
+    added.set_kind(static_cast<v1::DriftFindingKind>(finding.kind));
+    added.set_text(finding.text);
+    added.set_at_utc_us(base::ToUtcUs(finding.at));
+  }
+  message.set_new_events(care.new_events);
+  message.set_newest_event(care.newest_event);
+  message.set_waiting(care.waiting);
+  message.set_is_followed(care.is_followed);
+  message.mutable_groups()->Add(care.groups.begin(), care.groups.end());
+  if (!care.in_use) return message;
+  v1::CalibrationInUse& in_use = *message.mutable_in_use();
+  in_use.set_calibration_id(care.in_use->calibration.number());
+  in_use.set_version(care.in_use->version);
+  in_use.set_measured_utc_us(base::ToUtcUs(care.in_use->measured_at));
+  if (care.in_use->rms_before_um) in_use.set_rms_before_um(*care.in_use->rms_before_um);
+  if (care.in_use->rms_after_um) in_use.set_rms_after_um(*care.in_use->rms_after_um);
+  return message;
+}
+
 absl::StatusOr<records::MachineCare> FromProto(const v1::MachineCare& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   if (message.care() < v1::CARE_NOW || message.care() > v1::CARE_GOOD)
@@ -264,7 +289,7 @@ absl::StatusOr<records::MachineCare> FromProto(const v1::MachineCare& message) {
   care.care = static_cast<records::Care>(message.care());
   for (const v1::StandingFinding& finding : message.findings()) {
     ASSIGN_OR_RETURN(const records::DriftKind kind, KindFromProto(finding.kind()));
-    care.findings.push_back({kind, finding.text(), base::FromUtcUs(finding.at_utc_us())});
+    care.findings.push_back({kind, base::FromUtcUs(finding.at_utc_us()), finding.text()});
   }
   care.new_events = message.new_events();
   care.newest_event = message.newest_event();

@@ -40,6 +40,7 @@ v1::FindDriftRequest ToProto(const records::DriftSearch& search);
 // FIELD_INVALID: a finding of no known kind, a number that is none.
 absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& message);
 
+v1::MachineCare ToProto(const records::MachineCare& care);
 // FIELD_INVALID: no machine, no known care, a finding of no known kind, a number that is none.
 absl::StatusOr<records::MachineCare> FromProto(const v1::MachineCare& message);
 

@@ -102,13 +102,8 @@ absl::StatusOr<MachineAccess> AccessOf(Connection& connection, int64_t machine_k
     access.machine = MachineId(row.Text(0));
     access.four_eyes = row.Bool(1);
   }
-  ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask("SELECT name FROM machine_group WHERE machine_id = ?1 ORDER BY name", machine_key));
-  while (true) {
-    ASSIGN_OR_RETURN(const bool more, row.Step());
-    if (!more) return access;
-    access.groups.push_back(row.Text(0));
-  }
+  ASSIGN_OR_RETURN(access.groups, GroupsOf(connection, machine_key));
+  return access;
 }
 
 absl::StatusOr<std::optional<Holder>> HolderIn(Connection& connection, Statement row) {
@@ -173,6 +168,17 @@ absl::StatusOr<Belonging> ProgramBelongs(Connection& connection, int64_t program
 }
 
 }  // namespace
+
+absl::StatusOr<std::vector<std::string>> GroupsOf(Connection& connection, int64_t machine_key) {
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT name FROM machine_group WHERE machine_id = ?1 ORDER BY name", machine_key));
+  std::vector<std::string> groups;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return groups;
+    groups.push_back(row.Text(0));
+  }
+}
 
 absl::StatusOr<PrincipalRecord> CreatePrincipal(Connection& connection, UtcTime now, const std::string& name,
                                                 const std::string& note, const Caller& caller) {

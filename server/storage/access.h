@@ -23,6 +23,8 @@ absl::StatusOr<TokenRecord> RevokeToken(Connection& connection, UtcTime now, int
 absl::Status TouchToken(Connection& connection, UtcTime now, int64_t id);
 absl::StatusOr<PrincipalRecord> ChangeRole(Connection& connection, UtcTime now, const std::string& name,
                                            const Grant& grant, bool holds, const Caller& caller);
+// That a machine is in, in order.
+absl::StatusOr<std::vector<std::string>> GroupsOf(Connection& connection, int64_t machine_key);
 absl::StatusOr<MachineAccess> ChangeGroup(Connection& connection, UtcTime now, const std::string& group,
                                           const MachineId& machine, bool belongs, const Caller& caller);
 absl::StatusOr<MachineAccess> SetFourEyes(Connection& connection, UtcTime now, const MachineId& machine, bool four_eyes,

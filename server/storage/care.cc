@@ -7,7 +7,7 @@ namespace axiscal::storage {
 namespace {
 
 // The calibration in use, and how many candidates were measured later.
-absl::Status ReadCalibrations(Connection& connection, int64_t machine_key, CareRow& care) {
+absl::Status ReadCalibrations(Connection& connection, int64_t machine_key, MachineCare& care) {
   ASSIGN_OR_RETURN(Statement row,
                    connection.Ask("SELECT state, id, version, measured_at_utc_us, rms_before_um, rms_after_um FROM "
                                   "calibration INDEXED BY calibration_in_use WHERE machine_id = ?1 AND state <> 3 "
@@ -29,7 +29,7 @@ absl::Status ReadCalibrations(Connection& connection, int64_t machine_key, CareR
   return absl::OkStatus();
 }
 
-absl::Status ReadNewEvents(Connection& connection, UtcTime now, int64_t machine_key, CareRow& care) {
+absl::Status ReadNewEvents(Connection& connection, UtcTime now, int64_t machine_key, MachineCare& care) {
   ASSIGN_OR_RETURN(Statement row,
                    connection.Ask("SELECT text FROM event INDEXED BY event_open_of_machine WHERE machine_id = ?1 AND "
                                   "cleared_at_utc_us IS NULL AND acknowledged_at_utc_us IS NULL AND "
@@ -42,7 +42,7 @@ absl::Status ReadNewEvents(Connection& connection, UtcTime now, int64_t machine_
   }
 }
 
-absl::Status ReadFindings(Connection& connection, int64_t machine_key, CareRow& care) {
+absl::Status ReadFindings(Connection& connection, int64_t machine_key, MachineCare& care) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT kind, at_utc_us, text FROM standing_finding WHERE "
                                                  "machine_id = ?1 ORDER BY position",
                                                  machine_key));
@@ -55,8 +55,8 @@ absl::Status ReadFindings(Connection& connection, int64_t machine_key, CareRow& 
 
 }  // namespace
 
-absl::StatusOr<Page<CareRow>> ListCare(Connection& connection, UtcTime now, const PageRequest& request,
-                                       const Visible& visible) {
+absl::StatusOr<Page<MachineCare>> ListCare(Connection& connection, UtcTime now, const PageRequest& request,
+                                           const Visible& visible) {
   ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "care"));
   ASSIGN_OR_RETURN(const std::vector<int64_t> machines, MachinesIn(connection, visible.scopes));
   const std::string seen = visible.everything ? "" : "AND +m.id IN (SELECT value FROM json_each(?3)) ";
@@ -66,23 +66,26 @@ absl::StatusOr<Page<CareRow>> ListCare(Connection& connection, UtcTime now, cons
                                   "AND m.deleted_at_utc_us IS NULL " +
                                       seen + "ORDER BY m.name LIMIT ?2",
                                   start.after.value_or(""), start.row_limit(), JsonOf(machines)));
-  Page<CareRow> page;
+  Page<MachineCare> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    CareRow& care = page.rows.emplace_back();
+    MachineCare& care = page.rows.emplace_back();
     care.machine = MachineId(row.Text(1));
     care.is_followed = row.Bool(2);
     if (page.rows.size() > static_cast<size_t>(start.size)) break;  // tells only that another page follows
     RETURN_IF_ERROR(ReadCalibrations(connection, row.Int(0), care));
     RETURN_IF_ERROR(ReadNewEvents(connection, now, row.Int(0), care));
     RETURN_IF_ERROR(ReadFindings(connection, row.Int(0), care));
+    ASSIGN_OR_RETURN(care.groups, GroupsOf(connection, row.Int(0)));
+    care.care = CareOf(care);
   }
   EndPage(
-      start, [](const CareRow& care) { return care.machine.text(); },
-      [](const CareRow& care) {
+      start, [](const MachineCare& care) { return care.machine.text(); },
+      [](const MachineCare& care) {
         size_t bytes = care.machine.text().size() + care.newest_event.size() + 100;
         for (const StandingFinding& finding : care.findings) bytes += finding.text.size() + 20;
+        for (const std::string& group : care.groups) bytes += group.size() + 2;
         return bytes;
       },
       page);

@@ -9,8 +9,8 @@ namespace axiscal::storage {
 
 // A page has at most as many machines as it is asked for, and ends early where there is much to say. `now` tells which
 // events are still on the shelf.
-absl::StatusOr<Page<CareRow>> ListCare(Connection& connection, UtcTime now, const PageRequest& request,
-                                       const Visible& visible);
+absl::StatusOr<Page<MachineCare>> ListCare(Connection& connection, UtcTime now, const PageRequest& request,
+                                           const Visible& visible);
 
 }  // namespace axiscal::storage
 

@@ -352,7 +352,7 @@ class Database {
   virtual absl::StatusOr<int64_t> LastEventChange() = 0;
   virtual absl::StatusOr<LookStand> GetLookStand(const MachineId& machine) = 0;
   // What there is to say of each machine at a glance, in the order of their names; no deleted ones.
-  virtual absl::StatusOr<Page<CareRow>> ListCare(const PageRequest& page, const Visible& visible) = 0;
+  virtual absl::StatusOr<Page<MachineCare>> ListCare(const PageRequest& page, const Visible& visible) = 0;
   // Machines that have changed since they were looked at last, or were looked at by another version than this, and
   // those of which sessions or young calibrations are expected. No deleted ones.
   virtual absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(const std::string& version) = 0;

@@ -197,7 +197,7 @@ TEST_F(Events, CareOfEachMachineIsListedByName) {
   const auto older = database->CreateCalibration(TestCalibration(start - std::chrono::hours(1), 2.0));
   const auto newer = database->CreateCalibration(TestCalibration(start + std::chrono::hours(1), 3.0));
   ASSERT_TRUE(older.ok() && newer.ok());
-  EXPECT_EQ(mt().in_use->id, used->id);
+  EXPECT_EQ(mt().in_use->calibration, used->id);
   EXPECT_EQ(mt().in_use->measured_at, start);
   EXPECT_EQ(mt().waiting, 1);  // the older one is news of the past
   EXPECT_FALSE(mt().is_followed);

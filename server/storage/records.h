@@ -12,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/care.h"
 #include "core/records/cell.h"
 #include "core/records/drift.h"
 #include "core/records/event.h"
@@ -62,6 +63,7 @@ using records::JobRecord;
 using records::JobState;
 using records::LatestEstimate;
 using records::MachineAccess;
+using records::MachineCare;
 using records::MachineRecord;
 using records::Mark;
 using records::NewCalibration;
@@ -80,6 +82,7 @@ using records::RunState;
 using records::SessionRecord;
 using records::SessionState;
 using records::SessionTotals;
+using records::StandingFinding;
 using records::TimeSpan;
 using records::TokenRecord;
 using records::Webhook;
@@ -257,31 +260,6 @@ struct Belonging {
 struct LookStand {
   int64_t changes = 0, looked_at = 0;
   std::string looked_by;
-};
-
-// What a machine's history says that its calibration in use cannot know of: a jump after it, or a last calibration that
-// is doubtful. Candidates count.
-struct StandingFinding {
-  DriftKind kind = DriftKind::kStep;  // kStep, kSuspect or kUnstable
-  UtcTime at;                         // of the calibration with which it was found
-  std::string text;                   // in words
-};
-
-// What there is to say of a machine at a glance.
-struct CareRow {
-  struct InUse {
-    CalibrationId id;
-    int64_t version = 0;
-    UtcTime measured_at;
-    std::optional<double> rms_before_um, rms_after_um;  // of its residuals
-  };
-  MachineId machine;
-  std::optional<InUse> in_use;
-  int64_t waiting = 0;       // candidates that were measured later than what is in use
-  int64_t new_events = 0;    // that stand, are not shelved, and that nobody has acknowledged
-  std::string newest_event;  // the words of the newest of these
-  std::vector<StandingFinding> findings;
-  bool is_followed = false;  // nothing has changed since its history was looked through
 };
 
 // What a look at a machine has found, stored in one transaction.

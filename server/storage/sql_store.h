@@ -401,7 +401,7 @@ class SqlStore final : public Database {
   absl::StatusOr<LookStand> GetLookStand(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetLookStand(c, machine); });
   }
-  absl::StatusOr<Page<CareRow>> ListCare(const PageRequest& page, const Visible& visible) override {
+  absl::StatusOr<Page<MachineCare>> ListCare(const PageRequest& page, const Visible& visible) override {
     return readers_.Run([&](Connection& c) { return storage::ListCare(c, Now(), page, visible); });
   }
   absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(const std::string& version) override {

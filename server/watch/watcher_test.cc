@@ -218,7 +218,7 @@ TEST_F(Steps, AreKeptUntilACalibrationBehindThemIsInUse) {
   EXPECT_FALSE(care().is_followed);
   Look();
   EXPECT_TRUE(care().findings.empty());
-  EXPECT_EQ(care().in_use->id, last);
+  EXPECT_EQ(care().in_use->calibration, last);
   EXPECT_EQ(care().waiting, 0);
 }
 
