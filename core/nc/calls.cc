@@ -140,23 +140,7 @@ bool StatesMode(const Word& word, const Dialect& dialect) {
   const int64_t value = word.number.decimals == 0 ? word.number.mantissa : -1;
   if (word.letter != 'G' || value < 0 || 10 * value >= kCodes) return false;
   const CodeMeaning& code = dialect.g_codes[static_cast<size_t>(10 * value)];
-  switch (code.meaning) {
-    case Meaning::kRapid:
-    case Meaning::kLinear:
-    case Meaning::kInch:
-    case Meaning::kMillimetre:
-    case Meaning::kAbsolute:
-    case Meaning::kIncremental:
-    case Meaning::kPlane:
-    case Meaning::kFeedPerMinute:
-    case Meaning::kFeedInverseTime:
-    case Meaning::kFeedPerTurn:
-      return true;
-    case Meaning::kWorkOffset:
-      return code.detail != 1;  // G154 P
-    default:
-      return false;
-  }
+  return IsPlainMode(code.meaning) || (code.meaning == Meaning::kWorkOffset && code.detail != 1);  // 1: G154 P
 }
 
 FlowLine ReadIso(const std::string& line, const Dialect& dialect) {

@@ -92,6 +92,25 @@ enum class Meaning : uint8_t {
             // corner, until 0
 };
 
+// Whether it states a mode and asks for no other word of its block: G90, G01, G21.
+constexpr bool IsPlainMode(Meaning meaning) {
+  switch (meaning) {
+    case Meaning::kRapid:
+    case Meaning::kLinear:
+    case Meaning::kInch:
+    case Meaning::kMillimetre:
+    case Meaning::kAbsolute:
+    case Meaning::kIncremental:
+    case Meaning::kPlane:
+    case Meaning::kFeedPerMinute:
+    case Meaning::kFeedInverseTime:
+    case Meaning::kFeedPerTurn:
+      return true;
+    default:
+      return false;
+  }
+}
+
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
 // Each has its own codes that end it: two modes share a bit only where the same code ends both.
 enum Blocker : uint32_t {

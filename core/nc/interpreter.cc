@@ -406,7 +406,7 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) {
 
 // LinuxCNC 2.9, "O codes": [1] [2] behind CALL are #1 and #2 of the subprogram; the others are those of the caller
 // (not read here), to whom all of them come back as they were.
-std::vector<std::pair<std::string, std::optional<double>>> Interpreter::ArgumentsOfOWord() const {
+Interpreter::Arguments Interpreter::ArgumentsOfOWord() const {
   std::vector<std::pair<std::string, std::optional<double>>> arguments;
   const char* at = call_block_.data();
   const char* const end = at + TextSize(at, call_block_.size());
@@ -427,30 +427,33 @@ std::vector<std::pair<std::string, std::optional<double>>> Interpreter::Argument
 }
 
 // B-64484EN, "Macro call (G65)", argument specification I. Without a point a number counts by the address.
-void Interpreter::EnterLevel() {
+Interpreter::Arguments Interpreter::ArgumentsOfMacro() {
   static constexpr int kVariables[] = {1, 2, 3, 7,  8,  9,  0,  11, 4,  5,  6,  0,  13,
                                        0, 0, 0, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26};
-  std::vector<std::pair<std::string, std::optional<double>>> arguments;
-  if (dialect_->takes_loaded_tool) arguments = ArgumentsOfOWord();
+  Arguments arguments;
   Block call;
-  bool is_macro = false, is_twice = false;
-  if (!dialect_->takes_loaded_tool)
-    Lex(call_block_.data(), TextSize(call_block_.data(), call_block_.size()), *dialect_, &call, &variables_);
+  bool is_macro = false;
+  Lex(call_block_.data(), TextSize(call_block_.data(), call_block_.size()), *dialect_, &call, &variables_);
   for (const Word& word : call) {
     is_macro |= word.letter == 'G' && word.number.mantissa == 65 && word.number.decimals == 0;
     const int variable = word.letter >= 'A' && word.letter <= 'Z' ? kVariables[word.letter - 'A'] : 0;
     if (variable == 0) continue;
     const std::string name = absl::StrCat("#", variable);
-    for (const auto& other : arguments) is_twice |= other.first == name;  // I, J and K again are other variables
+    // I, J and K again are other variables.
+    if (std::any_of(arguments.begin(), arguments.end(), [&](const auto& other) { return other.first == name; }))
+      return {};
     const bool is_known = word.number.has_point || word.number.mantissa == 0;
     arguments.emplace_back(name, is_known ? std::optional<double>(ValueOf(word.number)) : std::nullopt);
   }
-  callers_.push_back(variables_);
+  return is_macro && call.problem == LexProblem::kNone ? arguments : Arguments();
+}
+
+void Interpreter::EnterLevel() {
+  const bool keeps_caller = dialect_->takes_loaded_tool;  // LinuxCNC
+  const Arguments arguments = keeps_caller ? ArgumentsOfOWord() : ArgumentsOfMacro();
+  callers_.push_back(keeps_caller ? variables_ : Variables());
   variables_.ForgetLocals();
-  const bool are_passed = dialect_->takes_loaded_tool || (is_macro && !is_twice && call.problem == LexProblem::kNone);
-  for (const auto& [name, value] : arguments) {
-    if (are_passed) variables_.Set(name, value);
-  }
+  for (const auto& [name, value] : arguments) variables_.Set(name, value);
   call_blocks_.push_back(call_block_);
 }
 

@@ -373,9 +373,11 @@ class Interpreter {
     modal_.is_return_unsure |= (groups & kMotionGroup) != 0;
     is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
   }
+  // What the call that is followed next states of variables ("#1"); nullopt: not known.
+  using Arguments = std::vector<std::pair<std::string, std::optional<double>>>;
+  Arguments ArgumentsOfOWord() const;
+  Arguments ArgumentsOfMacro();
   // An N word, to know later where jumps lead.
-  // Of the call that is followed next; nullopt: not known.
-  std::vector<std::pair<std::string, std::optional<double>>> ArgumentsOfOWord() const;
   void NoteNumber(const Word& word) {
     const int64_t number = word.number.mantissa;
     if (number >= 0 && number < static_cast<int64_t>(numbers_seen_.size()))

@@ -533,19 +533,10 @@ void Interpreter::SelectSpeedMode(Request* request) {
 bool Interpreter::LeavesNumber(const Block& block) const {
   for (const Word& word : block) {
     if (RoleOf(word.letter) != Role::kCode) continue;
+    if (IsPlainMode(Find(word).meaning)) continue;
     switch (Find(word).meaning) {
-      case Meaning::kRapid:
-      case Meaning::kLinear:
       case Meaning::kArc:
       case Meaning::kCancelMotion:
-      case Meaning::kInch:
-      case Meaning::kMillimetre:
-      case Meaning::kAbsolute:
-      case Meaning::kIncremental:
-      case Meaning::kPlane:
-      case Meaning::kFeedPerMinute:
-      case Meaning::kFeedInverseTime:
-      case Meaning::kFeedPerTurn:
       case Meaning::kWorkOffset:
       case Meaning::kToolLength:
       case Meaning::kNoToolLength:
