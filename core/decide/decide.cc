@@ -95,12 +95,13 @@ class Decider {
     }
     RETURN_IF_ERROR(Settle(&ending.extension, &ending.fit, &report));
     RETURN_IF_ERROR(DropUntold(&ending, &report));
-    RETURN_IF_ERROR(AskWhetherStartsAreAlike(&ending, &report));
+    std::optional<Ending> of_fit_sessions;
+    RETURN_IF_ERROR(AskWhetherStartsAreAlike(&ending, &of_fit_sessions, &report));
     std::vector<loop::Unexplained> sessions;
     if (check_.is_empty()) {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
     } else {
-      ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, &sessions));
+      ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, std::move(of_fit_sessions), &sessions));
       report.is_check_fitted = !alone.has_value();
       if (alone) {
         RETURN_IF_ERROR(Describe(*alone, runs_, &report));
@@ -173,7 +174,8 @@ class Decider {
   // Where sessions overlap in time each counts from a start of its own (instruments::FindOverlap), and a drift says
   // that the machine does the same after every start. Where the check sessions are foretold better without, it does
   // not.
-  absl::Status AskWhetherStartsAreAlike(Ending* ending, loop::Report* report) {
+  // `of_fit_sessions`: AmplitudesOfFitSessions of what stays, where they were asked for.
+  absl::Status AskWhetherStartsAreAlike(Ending* ending, std::optional<Ending>* of_fit_sessions, loop::Report* report) {
     const auto needs_one_clock = [](const Candidate& one) {
       return loop::IsTerm(one.family)
                  ? shapes::NeedsOneClock(one.term.shape)
@@ -201,12 +203,13 @@ class Decider {
     search_.LeaveOut(needs_one_clock);
     RETURN_IF_ERROR(Settle(&other.extension, &other.fit, &its));
     RETURN_IF_ERROR(DropUntold(&other, &its));
-    ASSIGN_OR_RETURN(const std::optional<Ending> with, AmplitudesOfFitSessions(*ending));
-    ASSIGN_OR_RETURN(const std::optional<Ending> without, AmplitudesOfFitSessions(other));
-    if (!with || !without) return absl::OkStatus();
-    ASSIGN_OR_RETURN(const Fit under_with, check_.Under(with->fit));
+    ASSIGN_OR_RETURN(*of_fit_sessions, AmplitudesOfFitSessions(*ending));
+    ASSIGN_OR_RETURN(std::optional<Ending> without, AmplitudesOfFitSessions(other));
+    if (!*of_fit_sessions || !without) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const Fit under_with, check_.Under((*of_fit_sessions)->fit));
     ASSIGN_OR_RETURN(const Fit under_without, check_.Under(without->fit));
     if (!(under_without.result.fit.rms_mm < under_with.result.fit.rms_mm)) return absl::OkStatus();
+    *of_fit_sessions = std::move(without);
     *ending = std::move(other);
     *report = std::move(its);
     return absl::OkStatus();
@@ -238,8 +241,12 @@ class Decider {
 
   // The same, so that the check sessions still prove something. Nothing where they are not foretold.
   // `sessions`: check sessions that stay unexplained.
-  absl::StatusOr<std::optional<Ending>> Alone(const Ending& whole, std::vector<loop::Unexplained>* sessions) {
-    ASSIGN_OR_RETURN(std::optional<Ending> alone, AmplitudesOfFitSessions(whole));
+  // `alone`: what AmplitudesOfFitSessions has said of it; nothing where it was not asked.
+  absl::StatusOr<std::optional<Ending>> Alone(const Ending& whole, std::optional<Ending> alone,
+                                              std::vector<loop::Unexplained>* sessions) {
+    if (!alone) {
+      ASSIGN_OR_RETURN(alone, AmplitudesOfFitSessions(whole));
+    }
     if (!alone) return std::nullopt;
     for (size_t i = 0; i < alone->extension.effects.size(); ++i) {
       const Candidate& one = alone->extension.effects[i].candidate;
@@ -346,7 +353,8 @@ class Decider {
       if (!fitted.ok()) return absl::OkStatus();
       NoteChanges(*extension, next, *fitted, report->fit_before.rms_mm, report);
       if (options_.progress) {
-        options_.progress({"closing the loop", (round + 1.0) / (kRounds + 1.0),
+        progress_ = std::max(progress_, (round + 1.0) / (kRounds + 1.0));  // of a second search it stands for a while
+        options_.progress({"closing the loop", progress_,
                            absl::StrFormat("%d candidates, %d effects, rms %.3f um", report->candidates,
                                            next.effects.size(), fitted->result.fit.rms_mm * base::kUmPerMm)});
       }
@@ -481,6 +489,7 @@ class Decider {
   loop::Check check_;
   const std::vector<MeasuringRun> all_;  // fit sessions, then check sessions
   EffectSearch search_;
+  double progress_ = 0.0;  // share that was reported last
 };
 
 }  // namespace
