@@ -57,7 +57,6 @@ struct CompensateParams {
   nc::RewriteOptions options;                             // its `calibration` and `source_crc32` are set by the job
   nc::OpenOptions open{};        // of these what the machine's profile may say; lists that are empty, too
   bool without_profile = false;  // the machine's profile says nothing of what is open
-  std::string of_profile{};      // what the service took from it, in the names of options; set by the service
   std::optional<double> time_s;  // when the program will run, of the sessions' clock
   std::optional<double> temperature_celsius;
   bool tables_are_off = false;  // of the control: those that were handed out of calibrations of this machine

@@ -160,7 +160,6 @@ TEST(JobParamsOnTheWire, WhatIsLeftToTheProfileIsUnset) {
   params.machine = MachineId("mt");
   params.program = ProgramId(4);
   params.open = {true, true, true, true, true, true};
-  params.of_profile = "--offset G54";
   const v1::CompensateParams message = ToProto(params);
   EXPECT_EQ(message.tool_tip_mm_size(), 0);
   EXPECT_FALSE(message.options().has_dialect() || message.options().has_decimals_mm() ||
@@ -171,7 +170,6 @@ TEST(JobParamsOnTheWire, WhatIsLeftToTheProfileIsUnset) {
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_TRUE(back->open.tool_tip && back->open.dialect && back->open.integer_words && back->open.decimals &&
               back->open.block_delete);
-  EXPECT_EQ(back->of_profile, "--offset G54");
   params.open = {};
   params.without_profile = true;
   const auto stated = FromProto(ToProto(params), true);
@@ -377,6 +375,7 @@ TEST(CareOnTheWire, ComesAsItIsAndRefusesWhatIsNotKnown) {
   EXPECT_FALSE(care->in_use->rms_before_um.has_value());
   EXPECT_EQ(care->in_use->rms_after_um, 0.0);
   EXPECT_EQ(care->groups, std::vector<std::string>{"turning"});
+  EXPECT_EQ(ToProto(*care).SerializeAsString(), good.SerializeAsString());
   const auto field_with = [&](const std::function<void(v1::MachineCare&)>& change) {
     v1::MachineCare bad = good;
     change(bad);

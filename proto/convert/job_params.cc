@@ -175,7 +175,6 @@ v1::CompensateParams ToProto(const records::CompensateParams& params) {
     for (const double value_mm : params.tool_tip_mm) message.add_tool_tip_mm(value_mm);
   LeaveOpen(params.open, message.mutable_options());
   message.set_without_profile(params.without_profile);
-  message.set_of_profile(params.of_profile);
   if (params.time_s) message.set_time_s(*params.time_s);
   if (params.temperature_celsius) message.set_temperature_celsius(*params.temperature_celsius);
   message.set_tables_are_off(params.tables_are_off);
@@ -194,7 +193,6 @@ absl::StatusOr<records::CompensateParams> FromProto(const v1::CompensateParams& 
     params.calibration = CalibrationId(message.calibration_id());
   }
   params.without_profile = message.without_profile();
-  params.of_profile = message.of_profile();
   params.open = OpenOf(message);
   if (message.tool_tip_mm_size() != 3 && (!params.open.tool_tip || params.without_profile)) {
     return FieldError("tool_tip_mm", absl::StrCat(message.tool_tip_mm_size(), " numbers, must be 3"));

@@ -2,7 +2,6 @@
 
 #include "proto/convert/field.h"
 #include "proto/convert/job.h"
-#include "server/inputs/compensation.h"
 #include "server/inputs/job_inputs.h"
 
 namespace axiscal::handlers {
@@ -17,9 +16,6 @@ absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, co
   RETURN_IF_ERROR(RequireRequestId(request.request_id()));
   absl::StatusOr<records::JobParams> params = convert::FromProto(request.params());
   if (!params.ok()) return convert::InField("params", params.status());
-  if (auto* const compensate = std::get_if<records::CompensateParams>(&*params)) {
-    ASSIGN_OR_RETURN(*compensate, inputs::WithProfile(core.database, std::move(*compensate), "params.compensate"));
-  }
   RETURN_IF_ERROR(inputs::CheckInputs(core.database, *params));
   if (request.priority() < -kMostPriority || request.priority() > kMostPriority) {
     return convert::FieldError("priority",

@@ -6,6 +6,7 @@
 #include "server/handlers/create_machine.h"
 #include "server/handlers/list_jobs.h"
 #include "server/handlers/testing/test_core.h"
+#include "server/inputs/compensation.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -107,28 +108,45 @@ TEST_F(CreateJobTest, ACompensationTakesWhatIsOpenFromTheMachinesProfile) {
                   .ok());
   const auto job = CreateJob(core, call, request);
   ASSERT_TRUE(job.ok()) << job.status();
-  const v1::CompensateParams& taken = job->job().params().compensate();
-  EXPECT_EQ(taken.of_profile(), "--tool-tip, --dialect, --unit, --harmless-m, --offset G55, --tool-length 7");
-  ASSERT_EQ(taken.tool_tip_mm_size(), 3);
-  EXPECT_EQ(taken.tool_tip_mm(2), -100);
-  EXPECT_EQ(taken.options().dialect(), "haas");
-  EXPECT_EQ(taken.options().unit(), v1::PROGRAM_UNIT_INCH);
-  EXPECT_EQ(taken.options().decimals_mm(), 3);
-  ASSERT_EQ(taken.options().work_offsets_size(), 2);
-  EXPECT_EQ(taken.options().work_offsets(0).offsets(0).value_mm_or_rad(), 9);
-  EXPECT_EQ(taken.options().tool_lengths(0).length_mm(), 120.5);
-  EXPECT_EQ(taken.options().harmless_m(0), 47);
+  EXPECT_EQ(job->job().params().compensate().tool_tip_mm_size(), 0);
 
-  // Of what the service says it took, the caller's word counts for nothing.
+  storage::NewCalibration whole = storage::TestCalibration(database.clock.UtcNow(), 1.0);
+  whole.model_json = R"({"EXX": 0, "EZ0T": 30})";
+  const auto used = database->CreateCalibration(whole);
+  ASSERT_TRUE(used.ok()) << used.status();
+  const auto filled = [&]() -> absl::StatusOr<inputs::Compensation> {
+    v1::CompensateParams message = compensate;
+    message.set_calibration_id(used->id.number());
+    ASSIGN_OR_RETURN(const records::CompensateParams params, convert::FromProto(message, true));
+    return inputs::CompensationFor(*database, params, "params.compensate");
+  };
+  auto compensation = filled();
+  ASSERT_TRUE(compensation.ok()) << compensation.status();
+  EXPECT_EQ(compensation->notes.back(),
+            "of the machine's profile: --tool-tip, --dialect, --unit, --harmless-m, --offset G55, --tool-length 7");
+  const nc::RewriteOptions& options = compensation->options;
+  EXPECT_EQ(options.dialect, "haas");
+  EXPECT_EQ(options.unit, nc::ProgramUnit::kInch);
+  EXPECT_EQ(options.decimals_mm, 3);
+  ASSERT_EQ(options.work_offsets.size(), 2u);
+  EXPECT_EQ(options.work_offsets[0].offsets[0].value, 9);
+  EXPECT_EQ(options.tool_lengths.at(0).length_mm, 120.5);
+  EXPECT_EQ(options.harmless_m.at(0), 47);
+
+  // Asked again, as after an answer that was lost, it is the same job, whatever the profile says by then.
+  ASSERT_TRUE(describe(R"({"tool_tip": "0 0 -200", "offsets": ["G54 X=1"]})").ok());
+  const auto again = CreateJob(core, call, request);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->job().job_id(), job->job().job_id());
+
   request.set_request_id("c-2");
   compensate.set_without_profile(true);
-  compensate.set_of_profile("--dialect");
   EXPECT_EQ(FieldOf(CreateJob(core, call, request).status()), "params.compensate.tool_tip_mm");
   for (const double value : {0.0, 0.0, -90.0}) compensate.add_tool_tip_mm(value);
-  const auto alone = CreateJob(core, call, request);
-  ASSERT_TRUE(alone.ok()) << alone.status();
-  EXPECT_EQ(alone->job().params().compensate().of_profile(), "");
-  EXPECT_EQ(alone->job().params().compensate().options().work_offsets_size(), 1);
+  EXPECT_TRUE(CreateJob(core, call, request).ok());
+  compensation = filled();
+  ASSERT_TRUE(compensation.ok()) << compensation.status();
+  EXPECT_EQ(compensation->options.work_offsets.size(), 1u);
 
   request.set_request_id("c-3");
   compensate.set_without_profile(false);

@@ -26,10 +26,8 @@ absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header)
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + machine.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
   }
-  params = inputs::WithProfile(core_.database, *std::move(params), "header.params");
-  RETURN_IF_ERROR(params.status());
   ASSIGN_OR_RETURN(inputs::Compensation compensation,
-                   inputs::CompensationFor(core_.database, *params, "header.params.calibration_id"));
+                   inputs::CompensationFor(core_.database, *params, "header.params"));
   compensation_.emplace(std::move(compensation));
   compensation_->options.source_crc32c = header.crc32c();
   ASSIGN_OR_RETURN(nc::Rewriter rewriter,

@@ -17,18 +17,20 @@ struct Compensation {
   compensate::Compensator compensator;
   nc::RewriteOptions options;      // with the calibration's name for the mark
   std::vector<std::string> notes;  // for the report: what the calibration cannot tell apart, what the profile said
+  int64_t machine_revision = 0;    // that said it
 };
 
-// The params with what the profile of their machine says of what they leave open, and `of_profile` saying what that
-// was; as they are where they are `without_profile`. Profile and machine are those of now. NOT_FOUND MACHINE_NOT_FOUND;
-// FAILED_PRECONDITION PROFILE_INVALID; INVALID_ARGUMENT FIELD_INVALID of `field` where profile and params do not go
-// together (nc::TakeProfile), or neither states the tool point.
-absl::StatusOr<records::CompensateParams> WithProfile(storage::Database& database, records::CompensateParams params,
-                                                      const std::string& field);
+// OK if the profile of the machine and what the params leave open go together. NOT_FOUND MACHINE_NOT_FOUND;
+// FAILED_PRECONDITION PROFILE_INVALID; INVALID_ARGUMENT FIELD_INVALID of `field`, which is that of the params, where
+// they do not (nc::TakeProfile), or neither states the tool point.
+absl::Status CheckProfile(storage::Database& database, const records::CompensateParams& params,
+                          const std::string& field);
 
-// Errors of CalibrationFor, CheckTables, MachineFor and Compensator::Create.
+// What the profile of the machine says of what the params leave open counts as if they had said it, but
+// `without_profile`. Profile and machine are those of now. Errors of CheckProfile, CalibrationFor, CheckTables,
+// MachineFor and Compensator::Create.
 absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
-                                             const std::string& calibration_field);
+                                             const std::string& field);
 
 }  // namespace axiscal::inputs
 

@@ -6,6 +6,7 @@
 #include "core/toolsetter/evaluate.h"
 #include "proto/convert/field.h"
 #include "server/inputs/calibration_use.h"
+#include "server/inputs/compensation.h"
 
 namespace axiscal::inputs {
 namespace {
@@ -68,6 +69,7 @@ absl::Status CheckCompensate(storage::Database& database, const records::Compens
   if (program.state != records::ProgramState::kComplete) {
     return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
   }
+  RETURN_IF_ERROR(CheckProfile(database, params, "params.compensate"));
   ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
                    CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id"));
   return CheckTables(database, calibration, params.tables_are_off);

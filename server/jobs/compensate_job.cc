@@ -56,12 +56,13 @@ absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, c
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::CompensateParams>(any_params);
   ASSIGN_OR_RETURN(const inputs::Compensation compensation,
-                   inputs::CompensationFor(database, params, "params.compensate.calibration_id"));
+                   inputs::CompensationFor(database, params, "params.compensate"));
   const records::CalibrationRecord& calibration = compensation.calibration;
   ASSIGN_OR_RETURN(const records::ProgramRecord source, database.GetProgram(params.program));
 
-  // Attempts of one job that use the same calibration write the same program.
-  const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number());
+  // Attempts of one job that use the same calibration and profile write the same program.
+  const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number(),
+                                              "-revision-", compensation.machine_revision);
   ASSIGN_OR_RETURN(ProgramWriter writer,
                    ProgramWriter::Create(database, {kCompensatedProgram, source.name, {job.created_by, request_id}}));
 
