@@ -111,7 +111,7 @@ TEST_F(CreateJobTest, ACompensationTakesWhatIsOpenFromTheMachinesProfile) {
   EXPECT_EQ(job->job().params().compensate().tool_tip_mm_size(), 0);
 
   storage::NewCalibration whole = storage::TestCalibration(database.clock.UtcNow(), 1.0);
-  whole.model_json = R"({"EXX": 0, "EZ0T": 30})";
+  whole.model_json = R"({"EX0X": 0, "EZ0T": 30})";
   const auto used = database->CreateCalibration(whole);
   ASSERT_TRUE(used.ok()) << used.status();
   const auto filled = [&]() -> absl::StatusOr<inputs::Compensation> {
