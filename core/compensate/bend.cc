@@ -118,7 +118,7 @@ double SmoothTravel(const shapes::Span& span, int order) {
 }
 
 Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to) {
-  if (const auto* curve = std::get_if<shapes::Curve>(&term.shape))
+  if (const auto* curve = shapes::CurveOf(term.shape))
     return BendOfCurve(*curve, term, from[curve->axis], to[curve->axis]);
   if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape)) return BendOfCrossed(*crossed, term, from, to);
   double amplitude = 0;
@@ -128,13 +128,15 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     return std::abs(to[axis] - from[axis]);
   };
   double largest = 0;
-  // At a stated temperature: linear in the position, if in anything.
-  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape); lag != nullptr && lag->times_axis >= 0) {
-    const double travel = along(lag->times_axis, &largest) / lag->reference;
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
     const double kelvin = std::max(std::abs(lag->from_celsius - shapes::kReferenceTemperatureCelsius),
                                    std::abs(lag->to_celsius - shapes::kReferenceTemperatureCelsius));
     amplitude *= std::min(kelvin, kMostKelvin);
-    return {amplitude * largest / lag->reference, amplitude * travel, 0};
+  }
+  // At a stated time or temperature: linear in the position, if in anything.
+  if (const auto* times = shapes::TimesOf(term.shape); times != nullptr && times->axis >= 0) {
+    const double travel = along(times->axis, &largest) / times->reference;
+    return {amplitude * largest / times->reference, amplitude * travel, 0};
   }
   if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
     const double travel = along(linear->axis, &largest) / linear->reference;
@@ -166,7 +168,6 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     return {size, change, 8.0 * change};
   }
   // The other carried terms do not change along a move: backlash, and terms of a stated time or temperature.
-  if (std::holds_alternative<shapes::ThermalLag>(term.shape)) amplitude *= kMostKelvin;
   return {amplitude, 0, 0};
 }
 

@@ -28,6 +28,7 @@ std::string WhyNotCarried(const ErrorTerm& term, const Options& options) {
   }
   if (shape == "reversal") return "it decays along a move, a program's end points cannot follow it";
   if (shape == "lag") return "it follows the speed, which a program does not fix";
+  if (shape == "acceleration") return "it follows the acceleration, which a program does not fix";
   return "";
 }
 

@@ -5,6 +5,7 @@
 #include "core/compensate/carried.h"
 #include "core/compensate/compensator_impl.h"
 #include "core/machine/redundant_facts.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::compensate {
 
@@ -30,7 +31,7 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   RETURN_IF_ERROR(SelectCarried(machine, errors, options, &impl->carried, &impl->not_carried));
   for (const ErrorTerm& term : impl->carried.terms) {
     impl->is_constant &= std::holds_alternative<shapes::Constant>(term.shape);
-    if (const auto* backlash = std::get_if<shapes::Backlash>(&term.shape)) impl->uses_sense[backlash->axis] = true;
+    if (shapes::DependsOnSense(term.shape)) impl->uses_sense[*shapes::VariableAxis(term.shape)] = true;
   }
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);

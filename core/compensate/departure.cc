@@ -46,7 +46,7 @@ void Compensator::Impl::MeasureErrors() {
     const auto keep_smooth = [&](int axis, const shapes::Span& span, int order) {
       smooth_travel[axis] = std::min(smooth_travel[axis], SmoothTravel(span, order));
     };
-    if (const auto* curve = std::get_if<shapes::Curve>(&term.shape))
+    if (const auto* curve = shapes::CurveOf(term.shape))
       keep_smooth(curve->axis, curve->span, curve->span.OrderOf(curve->functions - 1, shapes::Curve::kFirst));
     if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape)) {
       const int last = crossed->each - 1;
@@ -88,7 +88,7 @@ double Compensator::Impl::ErrorSlope(const Pose& pose) const {
       }
       continue;
     }
-    if (shapes::IsFree(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape)) {
+    if (shapes::IsFree(term.shape) || shapes::TimesOf(term.shape) != nullptr) {
       constexpr double kNearMm = 1.0;
       AxisValues near = pose.position;
       for (const std::optional<int>& of : {shapes::VariableAxis(term.shape), shapes::SecondAxis(term.shape)})

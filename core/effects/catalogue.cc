@@ -122,8 +122,9 @@ class Builder {
         item.group.spectrum[i] = root * root;
       }
       item.group.largest_amplitude = INFINITY;
-      item.group.largest_variance = LargestCurveOf(one.term) * LargestCurveOf(one.term);
-      if (const auto* curve = std::get_if<shapes::Curve>(&one.term.shape)) {  // of any smoothness: one effect
+      const double largest = LargestCurveOf(one.term) / LargestFactorOf(one.term.shape);
+      item.group.largest_variance = largest * largest;
+      if (const auto* curve = shapes::CurveOf(one.term.shape)) {  // of any smoothness: one effect
         const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), curve->axis, item.sensitivity,
                                          std::string(curve->span.is_turn ? "turn" : ""));
         item.group.kin = kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second;
@@ -172,6 +173,14 @@ class Builder {
       for (int b = 0; b < shapes::BasisCount(shape); ++b) largest = std::max(largest, std::abs(basis[b]));
     }
     return largest;
+  }
+
+  // The largest factor of its functions in the readings (shapes::Times).
+  double LargestFactorOf(const shapes::Shape& shape) const {
+    const shapes::Times* times = shapes::TimesOf(shape);
+    if (times == nullptr || times->axis < 0) return 1.0;
+    const loop::AxisSpan& span = spans_[times->axis];
+    return std::max(std::abs(span.lowest), std::abs(span.highest)) / times->reference;
   }
 
   Instrumental::Item ItemOf(const instruments::Distortion& one) {
@@ -231,7 +240,7 @@ class Builder {
       const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
         return known.family == family && loop::IsSameEffect(known.term, one.term) &&
                std::abs(PlaceOf(known.term.shape) - PlaceOf(shape)) < kApart &&
-               (!std::holds_alternative<shapes::Curve>(shape) || known.term.shape == shape);
+               (shapes::CurveOf(shape) == nullptr || known.term.shape == shape);
       });
       if (!is_known) candidates->push_back(one);
     }
@@ -245,7 +254,7 @@ class Builder {
     AddThermalLags(candidates);
     AddCurves(candidates);
     AddCrossed(candidates);
-    AddTimeCurves(candidates);
+    AddUnrecordedHeat(candidates);
   }
 
   // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
@@ -274,9 +283,8 @@ class Builder {
           AddAtJoint(Family::kThermalLag, joint, shapes::ThermalLag{channel.name, tau_s}, candidates);
         for (int axis = 0; axis < machine_.axis_count(); ++axis) {
           if (spans_[axis].finest_step == 0.0) continue;
-          const double reference =
-              IsRotary(axis) ? shapes::ThermalLag::kReferenceRad : shapes::ThermalLag::kReferenceMm;
-          AddAtJoint(Family::kThermalLag, axis, shapes::ThermalLag{channel.name, tau_s, axis, reference}, candidates);
+          const shapes::ThermalLag lag{channel.name, tau_s, machine::TimesPositionOf(machine_, axis)};
+          AddAtJoint(Family::kThermalLag, axis, lag, candidates);
         }
       }
     }
@@ -315,6 +323,12 @@ class Builder {
              curve.functions = curve.functions / 4 * 2)  // of turns in pairs
           AddAtJoint(Family::kCurve, axis, curve, candidates);
       }
+      // Where the lost motion is more here than there; wear is smooth.
+      if (!span.has_both_senses) continue;
+      curve.span = spans.front();
+      for (curve.functions = std::min(finest, 2 * kFewestFunctions);
+           curve.functions >= std::min(finest, kFewestFunctions); curve.functions = curve.functions / 4 * 2)
+        AddAtJoint(Family::kCurve, axis, shapes::BacklashCurve{curve}, candidates);
     }
   }
 
@@ -328,8 +342,9 @@ class Builder {
     }
   }
 
-  // What moves tool or table over hours that no channel recorded. The joints between would be further names for it.
-  void AddTimeCurves(std::vector<Candidate>* candidates) const {
+  // What moves tool or table over hours that no channel recorded (the joints between would be further names for it), or
+  // makes a scale longer: whatever course it takes, and as a body that warms up, which goes on after the readings.
+  void AddUnrecordedHeat(std::vector<Candidate>* candidates) const {
     double first_s = INFINITY, last_s = -INFINITY;
     for (const MeasuringRun& run : plain_.runs) {
       if (!run.has_time) return;
@@ -341,6 +356,20 @@ class Builder {
     if (!(last_s - first_s > kShortest)) return;
     for (const int joint : {machine_.tool_joint(), machine_.work_joint()})
       AddAtJoint(Family::kTimeCurve, joint, shapes::TimeCurve{{first_s, last_s}}, candidates);
+    std::vector<int> scales;
+    for (int axis = 0; axis < machine_.axis_count(); ++axis)
+      if (spans_[axis].finest_step > 0.0) scales.push_back(axis);
+    shapes::TimeCurve curve{{first_s, last_s}};
+    for (const int axis : scales) {
+      curve.times = machine::TimesPositionOf(machine_, axis);
+      AddAtJoint(Family::kTimeCurve, axis, curve, candidates);
+    }
+    for (const double share : loop::kWarmings) {
+      for (const int axis : scales) {
+        const shapes::DriftExp warming{share * last_s, machine::TimesPositionOf(machine_, axis)};
+        AddAtJoint(Family::kThermalLag, axis, warming, candidates);
+      }
+    }
   }
 
   // A source for each stretch of one family and axis; items of one shape together.

@@ -38,8 +38,10 @@ void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* sta
     const double change = is_first_ ? 0.0 : now.positions[axis] - state.position;
     state.position = now.positions[axis];
     state.speed = is_first_ ? starts_[axis].speed : SpeedOf(change, elapsed_s);
+    state.acceleration = 0.0;
     if (!is_first_ && elapsed_s > 0.0 && to_next_s > 0.0) {
       const double next_speed = (after.positions[axis] - now.positions[axis]) / to_next_s;
+      state.acceleration = 2.0 * (next_speed - state.speed) / (elapsed_s + to_next_s);
       state.speed = (state.speed * to_next_s + next_speed * elapsed_s) / (elapsed_s + to_next_s);
     }
     if (change != 0.0) {

@@ -62,7 +62,7 @@ TEST(Motion, SpeedIsSignedZeroAtRestAndThatOfTheFirstMoveBeforeIt) {
 }
 
 // q = t^2 - 2 t turns round at 1 s: the way to a position is slower or faster than the axis is there.
-TEST(Motion, SpeedIsThatAtThePositionWhereverTheReadingsStand) {
+TEST(Motion, SpeedAndAccelerationAreThoseAtThePositionWhereverTheReadingsStand) {
   MeasuringRun run;
   run.axis_count = 1;
   run.has_time = true;
@@ -71,6 +71,8 @@ TEST(Motion, SpeedIsThatAtThePositionWhereverTheReadingsStand) {
   run.measured_mm = Eigen::MatrixXd::Zero(1, 6);
   DeriveMotion(&run);
   for (const int k : {1, 2, 3, 4}) EXPECT_NEAR(run.axis_states[k].speed, 2.0 * run.time_s[k] - 2.0, 1e-12) << k;
+  for (const int k : {1, 2, 3, 4}) EXPECT_NEAR(run.axis_states[k].acceleration, 2.0, 1e-12) << k;
+  for (const int k : {0, 5}) EXPECT_EQ(run.axis_states[k].acceleration, 0.0) << k;
   EXPECT_NEAR(run.axis_states[5].speed, (11.25 - 8.0) / 0.5, 1e-12);  // the last: of the way to it
 }
 

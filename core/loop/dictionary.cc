@@ -135,24 +135,15 @@ class Builder {
 
   void AddMotionShapes(int axis) {
     const AxisSpan& span = spans_[axis];
-    if (span.reverses || HasBothSenses(axis)) Add(Family::kBacklash, axis, shapes::Backlash{axis});
+    if (span.has_both_senses) Add(Family::kBacklash, axis, shapes::Backlash{axis});
     const double unit = IsRotary(machine_, axis) ? base::kRadPerDeg : 1.0;
     for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) {
       if (length * unit < 4.0 * (span.highest - span.lowest))
         Add(Family::kReversal, axis, shapes::Reversal{axis, length * unit});
     }
-    if (span.has_speeds) Add(Family::kLag, axis, shapes::Lag{axis});
-  }
-
-  bool HasBothSenses(int axis) const {
-    bool has[2] = {false, false};
-    for (const MeasuringRun& run : problem_.runs) {
-      for (int k = 0; k < run.reading_count(); ++k) {
-        const double sense = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis].sense;
-        if (sense != 0.0) has[sense > 0.0] = true;
-      }
-    }
-    return has[0] && has[1];
+    if (!span.has_speeds) return;
+    Add(Family::kLag, axis, shapes::Lag{axis});
+    Add(Family::kLag, axis, shapes::Acceleration{axis});
   }
 
   void AddTimeShapes() {
@@ -170,8 +161,7 @@ class Builder {
     constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
     if (last_s - first_s > kShortest && AllTimed()) {
       AddAtAllJoints(Family::kDrift, shapes::Drift{});
-      for (const double share : {0.04, 0.08, 0.16, 0.32, kSlowestWarming})
-        AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
+      for (const double share : kWarmings) AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
     }
     // A session without temperatures has 20 degrees in their place: nothing is told from that.
     const bool is_recorded = std::all_of(problem_.runs.begin(), problem_.runs.end(), [](const MeasuringRun& run) {
@@ -322,14 +312,13 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
     span.lowest = INFINITY;
     span.highest = -INFINITY;
     double slowest = INFINITY, fastest = 0.0;
+    bool has_sense[2] = {false, false};
     for (const MeasuringRun& run : problem.runs) {
-      double last_sense = 0.0;
       for (int k = 0; k < run.reading_count(); ++k) {
         const shapes::AxisState& state = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis];
         span.lowest = std::min(span.lowest, state.position);
         span.highest = std::max(span.highest, state.position);
-        if (state.sense * last_sense < 0.0) span.reverses = true;
-        last_sense = state.sense;
+        if (state.sense != 0.0) has_sense[state.sense > 0.0] = true;
         if (state.speed != 0.0) {
           slowest = std::min(slowest, std::abs(state.speed));
           fastest = std::max(fastest, std::abs(state.speed));
@@ -344,6 +333,7 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
                                : kMostPeriods * 2.0 * std::numbers::pi / (span.highest - span.lowest) / kBelowNyquist;
       span.highest_frequency = HighestFrequency(PositionsOf(problem, axis), limit);
     }
+    span.has_both_senses = has_sense[0] && has_sense[1];
     constexpr double kOtherSpeed = 1.02;  // of one speed a lag is a backlash
     span.has_speeds = fastest > kOtherSpeed * slowest;
   }
@@ -387,7 +377,7 @@ bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
   shapes::Shape one = Everywhere(a.shape), other = Everywhere(b.shape);
   double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
   if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;
-  auto *curve = std::get_if<shapes::Curve>(&one), *other_curve = std::get_if<shapes::Curve>(&other);
+  auto *curve = shapes::CurveOf(one), *other_curve = shapes::CurveOf(other);
   if (curve != nullptr && other_curve != nullptr) curve->functions = other_curve->functions;  // of any smoothness
   return one == other;
 }

@@ -17,7 +17,7 @@ struct AxisSpan {
   double lowest = 0.0, highest = 0.0;  // mm or rad
   double finest_step = 0.0;        // median step of the session that samples it finest; 0 for an axis that stands still
   double highest_frequency = 0.0;  // that its positions as a set tell from all lower ones, rad per mm or per rad
-  bool reverses = false;
+  bool has_both_senses = false;
   bool has_speeds = false;  // more than one speed: lag is not just backlash
 };
 
@@ -36,6 +36,7 @@ double LastReadingS(const identify::Problem& problem);
 
 // Time constants of warmings go up to this share of the time of the last reading: what is slower is a drift.
 inline constexpr double kSlowestWarming = 0.64;
+inline constexpr double kWarmings[] = {0.04, 0.08, 0.16, 0.32, kSlowestWarming};
 
 inline constexpr double kBelowNyquist = 0.9;  // of the frequency at which two readings per period are left
 inline constexpr int kHighestOrder = 400;     // of harmonics of a rotary axis

@@ -44,6 +44,7 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
       state.sense = uniform(-1.0, 1.0) < 0.0 ? -1.0 : 1.0;
       state.travel_since_reversal = uniform(0.0, 0.1 * reach);
       state.speed = state.sense * uniform(0.0, 0.1 * reach);
+      state.acceleration = uniform(-0.1 * reach, 0.1 * reach);
       run.positions.push_back(state.position);
       run.axis_states.push_back(state);
     }

@@ -113,8 +113,18 @@ absl::StatusOr<int> CountAmplitudes(const json& object, const std::string& where
   return static_cast<int>(it->size());
 }
 
-absl::StatusOr<shapes::Shape> ReadTimeCurve(const json& object, const std::string& where) {
+// The axis that "variable" names, or none.
+absl::StatusOr<shapes::Times> ReadTimes(const json& object, const std::string& where, const Machine& machine,
+                                        const ErrorSymbol& symbol) {
+  if (!object.contains("variable")) return shapes::Times{};
+  ASSIGN_OR_RETURN(const int axis, VariableOf(object, where, machine, symbol));
+  return TimesPositionOf(machine, axis);
+}
+
+absl::StatusOr<shapes::Shape> ReadTimeCurve(const json& object, const std::string& where, const Machine& machine,
+                                            const ErrorSymbol& symbol) {
   shapes::TimeCurve curve;
+  ASSIGN_OR_RETURN(curve.times, ReadTimes(object, where, machine, symbol));
   ASSIGN_OR_RETURN(curve.span, ReadSpan(object, where, "", "s", 1.0, false));
   ASSIGN_OR_RETURN(curve.functions, CountAmplitudes(object, where, curve.functions));
   return curve;
@@ -139,11 +149,7 @@ absl::StatusOr<shapes::Shape> ReadThermalLag(const json& object, const std::stri
   }
   ASSIGN_OR_RETURN(lag.tau_s, Number(object, where, "tau_s"));
   if (lag.tau_s < 0.0) return Refuse(where, absl::StrCat("'tau_s' = ", lag.tau_s, ", must be >= 0"));
-  if (object.contains("variable")) {
-    ASSIGN_OR_RETURN(lag.times_axis, VariableOf(object, where, machine, symbol));
-    lag.reference =
-        IsRotary(machine, lag.times_axis) ? shapes::ThermalLag::kReferenceRad : shapes::ThermalLag::kReferenceMm;
-  }
+  ASSIGN_OR_RETURN(lag.times, ReadTimes(object, where, machine, symbol));
   if (object.contains("from_celsius") || object.contains("to_celsius")) {
     ASSIGN_OR_RETURN(lag.from_celsius, Number(object, where, "from_celsius"));
     ASSIGN_OR_RETURN(lag.to_celsius, Number(object, where, "to_celsius"));
@@ -180,9 +186,10 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
   if (name == shapes::Thermal::kName) return shapes::Thermal{};
   if (name == shapes::DriftExp::kName) {
     ASSIGN_OR_RETURN(const double tau_s, PositiveNumber(object, where, "tau_s"));
-    return shapes::DriftExp{tau_s};
+    ASSIGN_OR_RETURN(const shapes::Times times, ReadTimes(object, where, machine, symbol));
+    return shapes::DriftExp{tau_s, times};
   }
-  if (name == shapes::TimeCurve::kName) return ReadTimeCurve(object, where);
+  if (name == shapes::TimeCurve::kName) return ReadTimeCurve(object, where, machine, symbol);
   if (name == shapes::ThermalLag::kName) return ReadThermalLag(object, where, machine, symbol);
   ASSIGN_OR_RETURN(const int axis, VariableOf(object, where, machine, symbol));
   const bool is_rotary = IsRotary(machine, axis);
@@ -193,16 +200,18 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
     return shapes::Quadratic{axis, is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
   }
   if (name == shapes::Crossed::kName) return ReadCrossed(object, where, machine, axis);
-  if (name == shapes::Curve::kName) {
+  if (name == shapes::Curve::kName || name == shapes::BacklashCurve::kName) {
     shapes::Curve curve;
     curve.axis = axis;
     ASSIGN_OR_RETURN(curve.span, SpanOfAxis(object, where, "", machine, axis));
     ASSIGN_OR_RETURN(curve.functions, CountAmplitudes(object, where, curve.functions));
-    return curve;
+    if (name == shapes::Curve::kName) return curve;
+    return shapes::BacklashCurve{curve};
   }
   if (name == shapes::Harmonic::kName) return ReadHarmonic(object, where, machine, axis);
   if (name == shapes::Backlash::kName) return shapes::Backlash{axis};
   if (name == shapes::Lag::kName) return shapes::Lag{axis};
+  if (name == shapes::Acceleration::kName) return shapes::Acceleration{axis};
   if (name == shapes::Reversal::kName) {
     ASSIGN_OR_RETURN(const double length, PositiveNumber(object, where, is_rotary ? "length_deg" : "length_mm"));
     return shapes::Reversal{axis, is_rotary ? length * kRadPerDeg : length};
@@ -333,9 +342,14 @@ std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine) {
   if (std::holds_alternative<shapes::Linear>(term.shape)) return unit + (is_rotary ? "/rad" : "/m");
   if (std::holds_alternative<shapes::Drift>(term.shape)) return unit + "/h";
   if (std::holds_alternative<shapes::Thermal>(term.shape)) return unit + "/K";
-  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
-    return unit + (lag->times_axis < 0 ? "/K" : is_rotary ? "/(K rad)" : "/(K m)");
+  if (const auto* times = shapes::TimesOf(term.shape)) {
+    const std::string per_position = times->axis < 0 ? "" : is_rotary ? "rad" : "m";
+    if (!std::holds_alternative<shapes::ThermalLag>(term.shape))
+      return unit + (per_position.empty() ? "" : "/" + per_position);
+    return unit + (per_position.empty() ? "/K" : "/(K " + per_position + ")");
+  }
   if (std::holds_alternative<shapes::Lag>(term.shape)) return unit + (is_rotary ? "/(rad/s)" : "/(mm/s)");
+  if (std::holds_alternative<shapes::Acceleration>(term.shape)) return unit + (is_rotary ? "/(rad/s^2)" : "/(mm/s^2)");
   return unit;
 }
 
@@ -365,7 +379,7 @@ WrittenTerm Written(const ErrorTerm& term, const Machine& machine) {
   const auto reached_by_variable = [&](const shapes::Span& span) {
     reached(span, *axis, &WrittenTerm::from_deg, &WrittenTerm::to_deg, &WrittenTerm::from_mm, &WrittenTerm::to_mm);
   };
-  if (const auto* curve = std::get_if<shapes::Curve>(&term.shape)) reached_by_variable(curve->span);
+  if (const auto* curve = shapes::CurveOf(term.shape)) reached_by_variable(curve->span);
   if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape)) {
     written.over = machine.axes[crossed->second_axis].name;
     reached_by_variable(crossed->span);

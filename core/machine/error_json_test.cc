@@ -125,12 +125,19 @@ TEST(ErrorJson, EveryShapeComesBackAsItWasWritten) {
                  {tool, Component::kZ, shapes::Drift{}, {-0.12, 0}},
                  {tool, Component::kZ, shapes::DriftExp{1200}, {0.03, 0}},
                  {tool, Component::kX, shapes::Thermal{}, {0.02, 0}},
+                 {x, Component::kX, shapes::Acceleration{x}, {-4e-5, 0}},
+                 {x, Component::kX, shapes::BacklashCurve{{x, {-100, 300}, 2}}, {0.002, -0.001}},
+                 {b, Component::kB, shapes::BacklashCurve{{b, {.is_turn = true}, 2}}, {2e-6, 1e-6}},
+                 {x, Component::kX, shapes::DriftExp{900, TimesPositionOf(kMachine, x)}, {0.05, 0}},
+                 {b, Component::kZ, shapes::ThermalLag{"T_bed_C", 300, TimesPositionOf(kMachine, b)}, {0.001, 0}},
+                 {x, Component::kX, shapes::TimeCurve{{0, 7200}, 2, TimesPositionOf(kMachine, x)}, {0.004, 0.002}},
                  {x, Component::kB, shapes::Lag{x}, {1e-6, 0}}};
   const auto back = ReadErrors(WriteErrors(model, kMachine), kMachine);
   ASSERT_TRUE(back.ok()) << back.status();
   ASSERT_EQ(back->terms.size(), model.terms.size());
   for (size_t i = 0; i < model.terms.size(); ++i) {
     EXPECT_EQ(NameOf(kMachine, back->terms[i]), NameOf(kMachine, model.terms[i]));
+    EXPECT_EQ(shapes::VariableAxis(back->terms[i].shape), shapes::VariableAxis(model.terms[i].shape));
     for (int k = 0; k < 2; ++k) EXPECT_NEAR(back->terms[i].amplitude[k], model.terms[i].amplitude[k], 1e-17);
   }
 }

@@ -43,6 +43,11 @@ ErrorTerm AlongApproachTerm(const Machine& machine, const shapes::Shape& shape) 
   return {machine.tool_joint(), Component::kX, shape, {}};
 }
 
+shapes::Times TimesPositionOf(const Machine& machine, int axis) {
+  const bool is_rotary = machine.axes[axis].kind == AxisKind::kRotary;
+  return {axis, is_rotary ? shapes::Times::kReferenceRad : shapes::Times::kReferenceMm};
+}
+
 ErrorModel DeclaredModel(const Machine& machine) {
   ErrorModel model;
   for (const ErrorSymbol& symbol : machine.declared) model.terms.push_back(ConstantTerm(machine, symbol));
@@ -72,7 +77,7 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term) {
   if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape))
     arguments = machine.axes[crossed->second_axis].name;
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
-  const bool is_named = std::holds_alternative<shapes::ThermalLag>(term.shape);
+  const bool is_named = shapes::TimesOf(term.shape) != nullptr;
   if (axis && (*axis != term.joint || is_named)) {
     arguments = machine.axes[*axis].name + (arguments.empty() ? "" : "," + arguments);
   }
@@ -94,7 +99,7 @@ std::vector<std::string> NamesOf(const Machine& machine, const ErrorModel& model
 
 double UnknownAt(const ErrorTerm& term, const shapes::State& state) {
   if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
-    return std::abs(term.amplitude[0] * lag->FactorOf(state)) * lag->BeyondSeen(state);
+    return std::abs(term.amplitude[0] * lag->times.FactorAt(state)) * lag->BeyondSeen(state);
   if (const auto* drift = std::get_if<shapes::Drift>(&term.shape))
     return std::abs(term.amplitude[0]) * drift->BeyondSeen(state) / shapes::Drift::kReferenceS;
   const double kept = shapes::KeptAt(term.shape, state);
@@ -102,7 +107,8 @@ double UnknownAt(const ErrorTerm& term, const shapes::State& state) {
   // Functions have mean square 1: without a prior the curve's own size says how far it may go.
   double square = 0.0;
   for (int k = 0; k < shapes::BasisCount(term.shape); ++k) square += term.amplitude[k] * term.amplitude[k];
-  return (term.prior_sigma > 0.0 ? term.prior_sigma : std::sqrt(square)) * std::sqrt(1.0 - kept * kept);
+  const double own = term.prior_sigma > 0.0 ? term.prior_sigma : std::sqrt(square);
+  return own * std::abs(shapes::FactorAt(term.shape, state)) * std::sqrt(1.0 - kept * kept);
 }
 
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state) {

@@ -1,6 +1,9 @@
 // Free curves: error = sum of a_i phi_i, phi_i the functions of span.h.
 //   Curve      over the position of an axis
-//   TimeCurve  over the time. Outside its time it is not known at all: zero, and its prior.
+//   TimeCurve  over the time, with `times` also times the position of an axis. Outside its time it is not known at all:
+//              zero, and its prior.
+//   BacklashCurve  over the position of an axis, times the sense of its motion: a screw or worm that is worn more here
+//              than there. Half of the lost motion beyond its mean, which is `Backlash`.
 //   Crossed    over the positions of two axes: sum of a_ij phi_i(q) psi_j(r)
 // Over an open span from P_1 on: the mean is another error. The line belongs to a curve: named apart from it, it was
 // taken for the squareness of another axis.
@@ -14,6 +17,7 @@
 
 #include "core/shapes/span.h"
 #include "core/shapes/state.h"
+#include "core/shapes/times.h"
 
 namespace axiscal::shapes {
 
@@ -38,6 +42,17 @@ struct Curve {
   bool operator==(const Curve&) const = default;
 };
 
+struct BacklashCurve : Curve {
+  static constexpr char kName[] = "backlash-curve";
+
+  template <typename T>
+  void Basis(const State& state, const T* none, T* basis) const {
+    Curve::Basis(state, none, basis);
+    for (int i = 0; i < functions; ++i) basis[i] *= state.axes[axis].sense;
+  }
+  bool operator==(const BacklashCurve&) const = default;
+};
+
 struct TimeCurve {
   static constexpr char kName[] = "time-curve";
   static constexpr int kNonlinearCount = 0;
@@ -45,15 +60,16 @@ struct TimeCurve {
 
   Span span;  // s, open
   int functions = 16;
+  Times times = {};
 
   double PriorShare(int i) const { return SpectrumOf(span.OrderOf(i, kFirst)); }
   double KeptAt(const State& state) const { return state.time_s >= span.low && state.time_s <= span.high ? 1.0 : 0.0; }
   template <typename T>
   void Basis(const State& state, const T*, T* basis) const {
     std::array<double, kMaxBasisCount> values;
-    const double kept = KeptAt(state);
+    const double factor = KeptAt(state) * times.FactorAt(state);
     span.Values(state.time_s, kFirst, functions, values.data());
-    for (int i = 0; i < functions; ++i) basis[i] = T(kept * values[i]);
+    for (int i = 0; i < functions; ++i) basis[i] = T(factor * values[i]);
   }
   bool operator==(const TimeCurve&) const = default;
 };

@@ -9,8 +9,13 @@ namespace axiscal::shapes {
 // The clock, also for a speed.
 inline bool DependsOnTime(const Shape& shape) {
   return std::holds_alternative<Drift>(shape) || std::holds_alternative<DriftExp>(shape) ||
-         std::holds_alternative<Lag>(shape) || std::holds_alternative<TimeCurve>(shape) ||
+         std::holds_alternative<Lag>(shape) || std::holds_alternative<Acceleration>(shape) ||
+         std::holds_alternative<TimeCurve>(shape) ||
          (std::holds_alternative<ThermalLag>(shape) && std::get<ThermalLag>(shape).tau_s > 0.0);
+}
+// From which side an axis came to its position.
+inline bool DependsOnSense(const Shape& shape) {
+  return std::holds_alternative<Backlash>(shape) || std::holds_alternative<BacklashCurve>(shape);
 }
 // One clock of all sessions: what lasts longer than one of them.
 inline bool NeedsOneClock(const Shape& shape) {

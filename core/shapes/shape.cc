@@ -59,6 +59,29 @@ double PriorRoot(const Shape& shape, int basis) {
       shape);
 }
 
+Curve* CurveOf(Shape& shape) {
+  if (auto* curve = std::get_if<Curve>(&shape)) return curve;
+  return std::get_if<BacklashCurve>(&shape);
+}
+
+const Curve* CurveOf(const Shape& shape) { return CurveOf(const_cast<Shape&>(shape)); }
+
+Times* TimesOf(Shape& shape) {
+  return std::visit(
+      [](auto& s) -> Times* {
+        if constexpr (requires { s.times; }) return &s.times;
+        return nullptr;
+      },
+      shape);
+}
+
+const Times* TimesOf(const Shape& shape) { return TimesOf(const_cast<Shape&>(shape)); }
+
+double FactorAt(const Shape& shape, const State& state) {
+  const Times* times = TimesOf(shape);
+  return times == nullptr ? 1.0 : times->FactorAt(state);
+}
+
 double KeptAt(const Shape& shape, const State& state) {
   return std::visit(
       [&](const auto& s) {
@@ -72,8 +95,8 @@ std::optional<int> VariableAxis(const Shape& shape) {
   return std::visit(
       [](const auto& s) -> std::optional<int> {
         if constexpr (requires { s.axis; }) return s.axis;
-        if constexpr (requires { s.times_axis; }) {
-          if (s.times_axis >= 0) return s.times_axis;
+        if constexpr (requires { s.times; }) {
+          if (s.times.axis >= 0) return s.times.axis;
         }
         return std::nullopt;
       },

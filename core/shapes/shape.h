@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "core/shapes/acceleration.h"
 #include "core/shapes/backlash.h"
 #include "core/shapes/bump.h"
 #include "core/shapes/constant.h"
@@ -27,8 +28,9 @@
 
 namespace axiscal::shapes {
 
-using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag,
-                           Bump, Tabulated, PreTravel, Lobe, ThermalLag, Curve, TimeCurve, Crossed>;
+using Shape =
+    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump,
+                 Tabulated, PreTravel, Lobe, ThermalLag, Curve, TimeCurve, Crossed, Acceleration, BacklashCurve>;
 
 // "harmonic", "drift-exp": the name in files.
 std::string Name(const Shape& shape);
@@ -42,6 +44,14 @@ inline bool HasPhase(const Shape& shape) {
 // amplitude i; the squares of the roots add up to 1.
 bool IsFree(const Shape& shape);
 double PriorRoot(const Shape& shape, int basis);
+// The curve over the position of an axis that a shape is or has; nullptr of others.
+const Curve* CurveOf(const Shape& shape);
+Curve* CurveOf(Shape& shape);
+// The position that multiplies all of a shape's functions beside its own variable; nullptr of shapes that know none.
+const Times* TimesOf(const Shape& shape);
+Times* TimesOf(Shape& shape);
+// Its value at a state; 1 without one.
+double FactorAt(const Shape& shape, const State& state);
 // The share of a free curve that is known at a state, 1 where the readings reach; 1 of other shapes.
 double KeptAt(const Shape& shape, const State& state);
 // True for shapes that move the tool point back along the approach of a touch, instead of one component.

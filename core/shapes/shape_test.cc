@@ -14,7 +14,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Two axes: one at 125 mm moving backwards 2.5 mm after its reversal, one at 1.2 rad that has not moved.
 class ShapeTest : public testing::Test {
  protected:
-  ShapeTest() : axes_{{125.0, -1.0, 2.5, -4.0}, {1.2, 0.0, std::numeric_limits<double>::infinity(), 0.0}} {
+  ShapeTest() : axes_{{125.0, -1.0, 2.5, -4.0, 0.25}, {1.2, 0.0, std::numeric_limits<double>::infinity(), 0.0}} {
     state_.axes = axes_;
     state_.time_s = 900.0;
     state_.temperature_celsius = 23.5;
@@ -40,6 +40,15 @@ TEST_F(ShapeTest, BasesAreTheFormulasOfTheirHeaders) {
   EXPECT_EQ(At(Lag{0}), std::vector<double>{-4.0});
   EXPECT_DOUBLE_EQ(At(Reversal{0, 5.0})[0], -std::exp(-0.5));
   EXPECT_DOUBLE_EQ(At(DriftExp{1800.0})[0], 1.0 - std::exp(-0.5));
+  // Axis 0 stands at 125 mm.
+  const Times times{0, Times::kReferenceMm};
+  EXPECT_DOUBLE_EQ(At(DriftExp{1800.0, times})[0], 0.125 * (1.0 - std::exp(-0.5)));
+  EXPECT_DOUBLE_EQ(At(ThermalLag{kTemperatureChannel, 0.0, times})[0], 0.125 * 3.5);
+  const std::vector<double> plain = At(TimeCurve{{0.0, 2000.0}, 3}), scale = At(TimeCurve{{0.0, 2000.0}, 3, times});
+  for (int i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(scale[i], 0.125 * plain[i]);
+  EXPECT_EQ(At(Acceleration{0}), std::vector<double>{0.25});
+  const Curve curve{0, {0.0, 500.0}, 3};
+  for (int i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(At(BacklashCurve{curve})[i], -At(curve)[i]);
   const std::vector<double> harmonic = At(Harmonic{1, 3.0});
   EXPECT_NEAR(harmonic[0], std::cos(3.6), 1e-15);  // 3 * 1.2 rounds
   EXPECT_NEAR(harmonic[1], std::sin(3.6), 1e-15);
@@ -191,6 +200,8 @@ TEST_F(ShapeTest, NamesAreThoseOfTheReport) {
   EXPECT_EQ(Name(Harmonic{}), "harmonic");
   EXPECT_EQ(VariableAxis(Harmonic{1, 2.0}), 1);
   EXPECT_EQ(VariableAxis(Thermal{}), std::nullopt);
+  EXPECT_EQ(VariableAxis(DriftExp{600.0}), std::nullopt);
+  EXPECT_EQ(VariableAxis(DriftExp{600.0, {1, Times::kReferenceRad}}), 1);
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ struct AxisState {
   double travel_since_reversal =
       std::numeric_limits<double>::infinity();  // mm or rad; infinite before the first motion
   double speed = 0.0;                           // signed, mm/s or rad/s; 0 where the session has no times
+  double acceleration = 0.0;                    // mm/s^2 or rad/s^2; 0 there too, and at a session's first and last row
 };
 
 // Of a touch: the unit direction in which the stylus went, in the spindle's frame (machine axes at home), its azimuth

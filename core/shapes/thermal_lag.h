@@ -1,7 +1,6 @@
 // Late warmth: error = a (F - 20 degrees C), F the temperature that a body takes on with a first-order lag behind a
-// recorded channel (temperatures.h); with `times_axis` also times the position of an axis, a (F - 20) q / reference: a
-// scale that heats up. F beyond what the readings saw counts as the nearest that they saw (`from_celsius`,
-// `to_celsius`).
+// recorded channel (temperatures.h); with `times` also times the position of an axis: a scale that heats up. F beyond
+// what the readings saw counts as the nearest that they saw (`from_celsius`, `to_celsius`).
 #ifndef AXISCAL_CORE_SHAPES_THERMAL_LAG_H_
 #define AXISCAL_CORE_SHAPES_THERMAL_LAG_H_
 
@@ -12,6 +11,7 @@
 
 #include "core/shapes/state.h"
 #include "core/shapes/temperatures.h"
+#include "core/shapes/times.h"
 
 namespace axiscal::shapes {
 
@@ -19,13 +19,10 @@ struct ThermalLag {
   static constexpr char kName[] = "thermal-lag";
   static constexpr int kBasisCount = 1;
   static constexpr int kNonlinearCount = 1;
-  static constexpr double kReferenceMm = 1000.0;  // amplitude per K and metre ...
-  static constexpr double kReferenceRad = 1.0;    // ... or per K and radian
 
   std::string channel = kTemperatureChannel;
   double tau_s = 600.0;  // time constant: the shape's non-linear parameter; 0: at once, and it is none
-  int times_axis = -1;   // -1: none
-  double reference = 1.0;
+  Times times = {};
   double from_celsius = -std::numeric_limits<double>::infinity();
   double to_celsius = std::numeric_limits<double>::infinity();
 
@@ -35,9 +32,6 @@ struct ThermalLag {
     if (found != nullptr) return state.temperatures->At(*found, tau, state.moment);
     return {channel == kTemperatureChannel ? state.temperature_celsius : kReferenceTemperatureCelsius, 0.0};
   }
-  double FactorOf(const State& state) const {
-    return times_axis < 0 ? 1.0 : state.axes[times_axis].position / reference;
-  }
   // Kelvin by which F is beyond what the readings saw.
   double BeyondSeen(const State& state) const {
     const double late = LateAt(state, tau_s).celsius;
@@ -46,7 +40,7 @@ struct ThermalLag {
 
   template <typename T>
   void Basis(const State& state, const T* tau, T* basis) const {
-    const double factor = FactorOf(state);
+    const double factor = times.FactorAt(state);
     const Temperatures::Late late = LateAt(state, tau_s);
     const double seen = std::clamp(late.celsius, from_celsius, to_celsius);
     basis[0] = T(factor * (seen - kReferenceTemperatureCelsius));

@@ -66,26 +66,19 @@ Values Crossed(const Drawing& drawing, base::Random* random, std::optional<machi
 
 Values Heat(const Drawing& drawing, std::optional<machine::ErrorTerm>* term) {
   const Effect& effect = drawing.effect;
-  if (effect.channel == kTimeChannel && effect.axis < 0)
-    return OfTerm(drawing, shapes::DriftExp{effect.tau_s}, {1.0, 0.0}, term);
+  const shapes::Times times =
+      effect.axis < 0 ? shapes::Times{} : machine::TimesPositionOf(drawing.machine, effect.axis);
+  if (effect.channel == kTimeChannel) return OfTerm(drawing, shapes::DriftExp{effect.tau_s, times}, {1.0, 0.0}, term);
   // No session needs to have recorded the channel: no term of errors.json.
-  if (effect.channel != kTimeChannel) {
-    const shapes::ThermalLag lag{effect.channel, effect.tau_s, effect.axis};
-    return [lag](const History& history) {
-      const shapes::Temperatures temperatures(history.time_s, {{lag.channel, history.celsius.at(lag.channel)}});
-      std::vector<double> values(history.size());
-      for (size_t k = 0; k < values.size(); ++k) {
-        shapes::State state = history.StateOf(k);
-        state.temperatures = &temperatures;
-        shapes::Basis(lag, state, &values[k]);
-      }
-      return values;
-    };
-  }
-  return [effect](const History& history) {
+  const shapes::ThermalLag lag{effect.channel, effect.tau_s, times};
+  return [lag](const History& history) {
+    const shapes::Temperatures temperatures(history.time_s, {{lag.channel, history.celsius.at(lag.channel)}});
     std::vector<double> values(history.size());
-    for (size_t k = 0; k < values.size(); ++k)
-      values[k] = (1.0 - std::exp(-history.time_s[k] / effect.tau_s)) * history.PositionsOf(k)[effect.axis];
+    for (size_t k = 0; k < values.size(); ++k) {
+      shapes::State state = history.StateOf(k);
+      state.temperatures = &temperatures;
+      shapes::Basis(lag, state, &values[k]);
+    }
     return values;
   };
 }
@@ -159,20 +152,11 @@ Values LastMove(const Effect& effect) {
   };
 }
 
-// E = - delay x speed, or - delay^2 x acceleration, both from differences of the readings.
+// E = - delay x speed, or - delay^2 x acceleration.
 Values Following(const Drawing& drawing, std::optional<machine::ErrorTerm>* term) {
   const Effect& effect = drawing.effect;
   if (effect.is_of_speed) return OfTerm(drawing, shapes::Lag{effect.axis}, {-effect.delay_s, 0.0}, term);
-  return [effect](const History& history) {
-    std::vector<double> values(history.size(), 0.0);
-    for (size_t k = 1; k < values.size(); ++k) {
-      const double elapsed_s = history.time_s[k] - history.time_s[k - 1];
-      if (history.BeginsSession(k) || !(elapsed_s > 0.0)) continue;
-      const double change = history.AxisAt(k, effect.axis).speed - history.AxisAt(k - 1, effect.axis).speed;
-      values[k] = -effect.delay_s * effect.delay_s * change / elapsed_s;
-    }
-    return values;
-  };
+  return OfTerm(drawing, shapes::Acceleration{effect.axis}, {-effect.delay_s * effect.delay_s, 0.0}, term);
 }
 
 }  // namespace

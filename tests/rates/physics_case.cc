@@ -336,7 +336,7 @@ bool IsOfTheForm(const Effect& effect, const machine::ErrorTerm& term) {
   using shapes::Harmonic;
   using Curves = std::tuple<shapes::Curve, shapes::Linear, shapes::Quadratic, Harmonic>;
   using Warm = std::tuple<shapes::Thermal, shapes::ThermalLag, shapes::TimeCurve, shapes::Drift, shapes::DriftExp>;
-  using Plays = std::tuple<shapes::Backlash, shapes::Reversal>;
+  using Plays = std::tuple<shapes::Backlash, shapes::Reversal, shapes::BacklashCurve>;
   const std::optional<int> axis = shapes::VariableAxis(shape);
   switch (effect.kind) {
     case EffectKind::kCurve:
@@ -350,14 +350,15 @@ bool IsOfTheForm(const Effect& effect, const machine::ErrorTerm& term) {
     case EffectKind::kCrossed:
       return std::holds_alternative<shapes::Crossed>(shape);
     case EffectKind::kHeat:
-      return is_one_of(std::type_identity<Warm>());
+      return is_one_of(std::type_identity<Warm>()) && axis.value_or(-1) == effect.axis;
     case EffectKind::kBacklash:
     case EffectKind::kWindUp:
     case EffectKind::kFriction:
     case EffectKind::kLastMove:
-      return is_one_of(std::type_identity<Plays>());
+      return is_one_of(std::type_identity<Plays>()) && axis == effect.axis;
     case EffectKind::kFollowing:
-      return std::holds_alternative<shapes::Lag>(shape);
+      return effect.is_of_speed ? std::holds_alternative<shapes::Lag>(shape)
+                                : std::holds_alternative<shapes::Acceleration>(shape);
   }
   return false;
 }

@@ -94,7 +94,7 @@ size_t Sampler::sample_count() const {
   const compensate::TableRange& range = plan.ranges[argument];
   double count = kLeastSamples;
   for (const ErrorTerm& term : plan.sampled.terms) {
-    if (const auto* curve = std::get_if<shapes::Curve>(&term.shape); curve != nullptr && curve->axis == argument) {
+    if (const auto* curve = shapes::CurveOf(term.shape); curve != nullptr && curve->axis == argument) {
       const int order = curve->span.OrderOf(curve->functions - 1, shapes::Curve::kFirst);
       constexpr double kEighths = 8.0;  // SmoothTravel is one of a period
       count = std::max(count, kSamplesPerPeriod * (range.max - range.min) /

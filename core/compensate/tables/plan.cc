@@ -7,6 +7,7 @@
 #include "core/base/units.h"
 #include "core/compensate/tables/text.h"
 #include "core/machine/redundant_facts.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::tables {
 namespace {
@@ -238,8 +239,7 @@ void SetSampled(Plan* plan) {
       plan->not_carried.push_back(name + ": over two axes");
       continue;
     }
-    const bool is_backlash = std::holds_alternative<shapes::Backlash>(term.shape);
-    if (is_backlash && !plan->format.limits.by_sense) {
+    if (shapes::DependsOnSense(term.shape) && !plan->format.limits.by_sense) {
       plan->not_carried.push_back(name + ": " + plan->format.name + " knows no sense of motion");
       continue;
     }

@@ -5,6 +5,7 @@
 
 #include "core/compensate/tables/block_sampler.h"
 #include "core/compensate/tables/text.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::tables {
 namespace {
@@ -60,7 +61,7 @@ std::vector<ComponentGroup> GroupsOf(const Plan& plan) {
         for (int k = 0; whole_axes && k < machine::kComponents; ++k)
           group->targets.push_back(term.joint * machine::kComponents + k);
       }
-      group->by_sense |= std::holds_alternative<shapes::Backlash>(term.shape);
+      group->by_sense |= shapes::DependsOnSense(term.shape);
       if (std::find(group->targets.begin(), group->targets.end(), target) == group->targets.end())
         group->targets.push_back(target);
     }
