@@ -234,7 +234,8 @@ std::string CausesText(const reports::Loop& report) {
 
 std::string HeldBackText(const reports::Loop& report) {
   if (report.held_back.empty()) return "";
-  std::string text = "found and not corrected, as the machine could be worse for it over the measured box:\n";
+  std::string text =
+      "found and not corrected, as the machine could be worse for it over the measured box, or no gain is certain:\n";
   for (const reports::HeldBack& held : report.held_back) {
     absl::StrAppend(&text, "  ", held.subject,
                     held.kind == reports::HeldBackKind::kUndecided ? ": these sessions do not tell what it is"

@@ -249,12 +249,8 @@ class Decider {
     }
     if (!alone) return std::nullopt;
     for (size_t i = 0; i < alone->extension.effects.size(); ++i) {
-      const Candidate& one = alone->extension.effects[i].candidate;
-      if (IsUnnamed(one.family)) continue;
-      // Amplitudes must be worth what they cost here, too; those of a free curve are one size.
-      const int count = shapes::IsFree(one.term.shape) ? 1 : shapes::BasisCount(one.term.shape);
-      const double price = policy_.per_column * count;
-      if (loop::EvidenceOf(alone->fit, alone->extension.TermOf(i)) < price) return std::nullopt;
+      if (IsUnnamed(alone->extension.effects[i].candidate.family)) continue;
+      if (WorthOf(*alone, i) < 0.0) return std::nullopt;
     }
     RETURN_IF_ERROR(check_.Settle(alone->fit));
     ASSIGN_OR_RETURN(*sessions, check_.UnexplainedSessions(alone->fit));
@@ -286,25 +282,36 @@ class Decider {
     return keys;
   }
 
-  // Takes off effects whose amplitudes the full fit does not tell: the linearised model had seen a trace of them.
+  // What the amplitudes of an effect are worth in a full fit beyond what they cost, chi-square units. Those of a free
+  // curve are one size. 0 where the fit does not tell any of them.
+  double WorthOf(const Ending& ending, size_t effect) const {
+    const int term = ending.extension.TermOf(effect);
+    const std::vector<identify::Parameter> parameters = identify::ListParameters(ending.fit.point.model, true);
+    bool is_told = false;
+    for (size_t i = 0; i < parameters.size(); ++i)
+      is_told |=
+          parameters[i].term == term && !parameters[i].is_nonlinear && ending.fit.result.estimates[i].identifiable;
+    const shapes::Shape& shape = ending.extension.effects[effect].candidate.term.shape;
+    const int count = shapes::IsFree(shape) ? 1 : shapes::BasisCount(shape);
+    return (is_told ? loop::EvidenceOf(ending.fit, term) : 0.0) - policy_.per_column * count;
+  }
+
+  // Takes off effects that the full fit does not tell, the faintest first: the linearised model had seen a trace of
+  // them, or one stood for what another was too large by, and the two would part where nothing was measured.
   absl::Status DropUntold(Ending* ending, loop::Report* report) const {
-    const std::vector<identify::Parameter> parameters = identify::ListParameters(ending->fit.point.model, true);
-    const auto is_untold = [&](size_t effect) {
-      if (!IsTerm(ending->extension.effects[effect].candidate.family)) return false;
-      const int term = ending->extension.TermOf(effect);
-      for (size_t i = 0; i < parameters.size(); ++i) {
-        const bool is_its = parameters[i].term == term && !parameters[i].is_nonlinear;
-        if (is_its && ending->fit.result.estimates[i].identifiable) return false;
+    for (;;) {
+      std::optional<size_t> faintest;
+      double least = 0.0;
+      for (size_t i = 0; i < ending->extension.effects.size(); ++i) {
+        if (!IsTerm(ending->extension.effects[i].candidate.family)) continue;
+        const double worth = WorthOf(*ending, i);
+        if (worth < least) faintest = i, least = worth;
       }
-      return true;
-    };
-    Extension told = ending->extension;
-    std::vector<std::string> untold;
-    for (size_t i = told.effects.size(); i-- > 0;) {
-      if (!is_untold(i)) continue;
-      untold.push_back(ending->extension.NameOf(i));
-      const int term = ending->extension.TermOf(i);
-      told.effects.erase(told.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      if (!faintest) return absl::OkStatus();
+      Extension told = ending->extension;
+      const std::string name = told.NameOf(*faintest);
+      const int term = told.TermOf(*faintest);
+      told.effects.erase(told.effects.begin() + static_cast<std::ptrdiff_t>(*faintest));
       // Of what others may be the models hold it too.
       for (Added& other : told.effects) {
         const auto drop = [term](machine::ErrorModel& model) {
@@ -313,13 +320,10 @@ class Decider {
         drop(other.choice.as_found);
         for (auto& rival : other.choice.rivals) drop(rival.model);
       }
-    }
-    if (untold.empty()) return absl::OkStatus();
-    ASSIGN_OR_RETURN(ending->fit, FitExtension(machine_, told, identify_options_));
-    ending->extension = std::move(told);
-    for (const std::string& name : untold)
+      ASSIGN_OR_RETURN(ending->fit, FitExtension(machine_, told, identify_options_));
+      ending->extension = std::move(told);
       report->steps.push_back({loop::SelectionStep::kDropped, name, ending->fit.result.fit.rms_mm});
-    return absl::OkStatus();
+    }
   }
 
   // Searches and fits until the set of effects stays.
@@ -331,6 +335,7 @@ class Decider {
       search_.Run(*extension, *fit, round == 0 ? report : nullptr, &next);
       if (options_.cancelled && options_.cancelled()) return absl::CancelledError("cancelled");
       report->has_stopped_early = search_.has_stopped_early();
+      report->design_effect = search_.design_effect();
       const std::multiset<Key> keys = KeysOf(next);
       const bool stays = keys == seen.back();
       if (stays) {

@@ -241,6 +241,7 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
     return scorer.group(member.group).is_counted;
   });
   has_stopped_early_ = counted >= policy_.most_effects;
+  design_effect_ = found.design;
   Take(scorer, found, searcher.ClassesOf(found, kLinear), linearised, catalogue, next);
   return scorer.looks();
 }

@@ -36,6 +36,8 @@ class EffectSearch {
   void LeaveOut(std::function<bool(const loop::Candidate&)> is_left_out) { is_left_out_ = std::move(is_left_out); }
   // The last search held as many effects as it may.
   bool has_stopped_early() const { return has_stopped_early_; }
+  // loop::Report::design_effect of the last run.
+  double design_effect() const { return design_effect_; }
 
  private:
   // What a search of thinned rows has looked at.
@@ -59,6 +61,7 @@ class EffectSearch {
   const Options& options_;
   std::function<bool(const loop::Candidate&)> is_left_out_ = [](const loop::Candidate&) { return false; };
   bool has_stopped_early_ = false;
+  double design_effect_ = 1.0;
 };
 
 }  // namespace axiscal::decide

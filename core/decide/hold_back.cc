@@ -50,6 +50,19 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     odds = over(constants.result.model);
     harm = odds->ProbabilityOf(worse, fit.result.model);
   }
+  const auto hold_back = [&](std::vector<size_t>::iterator effect) {
+    const machine::ErrorTerm& term = fit.result.model.terms[extension.TermOf(*effect)];
+    if (machine::HasName(term)) report->held_back.push_back({term, extension.effects[*effect].score, harm});
+    terms.push_back(extension.TermOf(*effect));
+    out.push_back(*effect);
+    kept.erase(effect);
+  };
+  const auto fit_again = [&]() -> absl::Status {
+    ASSIGN_OR_RETURN(const identify::Fit again, FitExtension(machine, Without(extension, out), options));
+    report->fitted = again.result;
+    harm = odds->ProbabilityOf(worse, report->fitted.model);
+    return absl::OkStatus();
+  };
   while (harm > policy.harm_probability && !kept.empty()) {
     do {
       const auto without = [&](size_t effect) {
@@ -60,22 +73,26 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
       std::vector<double> left;
       for (const size_t effect : kept) left.push_back(without(effect));
       const auto least = std::min_element(left.begin(), left.end());
-      const auto effect = kept.begin() + (least - left.begin());
-      const machine::ErrorTerm& term = fit.result.model.terms[extension.TermOf(*effect)];
-      if (machine::HasName(term)) report->held_back.push_back({term, extension.effects[*effect].score, harm});
-      harm = *least;
-      terms.push_back(extension.TermOf(*effect));
-      out.push_back(*effect);
-      kept.erase(effect);
+      const double harm_without = *least;
+      hold_back(kept.begin() + (least - left.begin()));
+      harm = harm_without;
     } while (harm > policy.harm_probability && !kept.empty());
-    ASSIGN_OR_RETURN(const identify::Fit again, FitExtension(machine, Without(extension, out), options));
-    report->fitted = again.result;
-    harm = odds->ProbabilityOf(worse, report->fitted.model);
+    RETURN_IF_ERROR(fit_again());
   }
-  std::vector<std::string> unknown;
-  for (const identify::Estimate& estimate : report->fitted.estimates)
-    if (!estimate.identifiable) unknown.push_back(estimate.name);
-  report->volumetric = figures->Figures(report->fitted.model, unknown);
+  const auto take_figures = [&] {
+    std::vector<std::string> unknown;
+    for (const identify::Estimate& estimate : report->fitted.estimates)
+      if (!estimate.identifiable) unknown.push_back(estimate.name);
+    report->volumetric = figures->Figures(report->fitted.model, unknown);
+  };
+  take_figures();
+  // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the
+  // interval holds.
+  if (!report->volumetric->is_gain_held && !kept.empty()) {
+    while (!kept.empty()) hold_back(kept.begin());
+    RETURN_IF_ERROR(fit_again());
+    take_figures();
+  }
   return absl::OkStatus();
 }
 

@@ -127,6 +127,9 @@ struct Report {
   // component, shape and variable, crossed variables left out.
   std::vector<machine::ErrorTerm> not_visible;
   std::vector<std::string> axes_at_rest;                  // that the fit sessions never moved: nothing is known of them
+  // Of what the effects leave (objective::DesignEffect): 1 where it is noise, more where structure is left that nothing
+  // explains.
+  double design_effect = 1.0;
   bool has_stopped_early = false;                         // at the most effects allowed: more may be there
   std::vector<predict::OpenChoice> choices;               // between members of the effects' classes
   std::optional<predict::VolumetricError> volumetric;     // corrected for `fitted`

@@ -98,6 +98,8 @@ PhysicsScore JudgePhysics(const PhysicsCase& physics, bool with_told) {
                                   report.volumetric->after.rms_um, score.low_um, score.high_um,
                                   score.is_gain_held ? "held" : "not held");
   }
+  score.text += absl::StrFormat(" design %.2f rms %.2f -> %.2f;", closed->design_effect,
+                                1e3 * closed->fit_before.rms_mm, 1e3 * closed->fit_after.rms_mm);
   for (const loop::Effect& effect : closed->effects) {
     // With its amplitude, nm or urad, and what would be left without it.
     ErrorModel without = found;

@@ -187,6 +187,35 @@ TEST(Rates, ARippleThatPosesDoNotTellFromAnotherIsNamedAndDoesNoHarm) {
   }
 }
 
+// Scales that warm up unrecorded, servos behind by the acceleration and lost motion that is more here than there were
+// named as something else, as long as nothing in the competition had their form (2.8 -> 1.3 um over the box, 2.3
+// -> 2.3, 1.2 -> 0.6, 3.4 -> 1.3).
+TEST(Rates, WhatMachinesHaveIsNamedByItsForm) {
+  struct Case {
+    Physics kind;
+    int seed;
+    double most_um;
+  };
+  for (const Case& one : {Case{Physics::kHeat, 611006, 0.8}, Case{Physics::kFollowing, 611007, 1.8},
+                          Case{Physics::kHysteresis, 611001, 0.4}, Case{Physics::kHysteresis, 611007, 0.8}}) {
+    const PhysicsScore score = JudgePhysics(DrawPhysics(one.kind, one.seed), false);
+    EXPECT_STREQ(score.Verdict(), "right") << score.text;
+    EXPECT_LT(score.all_um, one.most_um) << score.text;
+  }
+}
+
+// An instrument with lobes that moves was a drift of the tool (0.5 -> 1.2 um), a crossed error three of other kinds
+// (2.6
+// -> 2.9 um): of neither did the report promise a gain.
+TEST(Rates, WhatPromisesNoGainIsNotCorrected) {
+  for (const auto& [kind, seed] : {std::pair(Physics::kInstrument, 611009), std::pair(Physics::kCrossed, 611003)}) {
+    const PhysicsScore score = JudgePhysics(DrawPhysics(kind, seed), false);
+    EXPECT_TRUE(score.WouldBeHarmed()) << score.text;
+    EXPECT_FALSE(score.IsHarmed()) << score.text;
+    EXPECT_GE(score.held_back, 1) << score.text;
+  }
+}
+
 // Both names are right, but the fit sessions see the sum: with their amplitudes, 70 um came out as 982 um.
 TEST(Rates, AmplitudesThatOnlyAllSessionsTellAreThoseOfAll) {
   const Score score = Judge(Draw(Kind::kDirty, 97049), Kind::kDirty);
