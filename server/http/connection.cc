@@ -366,6 +366,14 @@ asio::awaitable<bool> Connection::ServeOne() {
     co_await Refuse(*request, answer, false);
     co_return false;
   }
+  // Of a body in a coding that is not known the end is not known either (RFC 9112, section 6.1): what it holds would be
+  // read as further requests.
+  if (request->fields.count("transfer-encoding") > 0 &&
+      absl::AsciiStrToLower(request->Field("transfer-encoding")) != "chunked") {
+    const Answer answer = BadRequest(501, "Transfer-Encoding must be chunked");
+    co_await Refuse(*request, answer, false);
+    co_return false;
+  }
   const BodyRule rule = context_.gateway.RuleFor(*request);
   if (rule.refusal) {
     const bool goes_on = co_await Refuse(*request, *rule.refusal, stays && !HasBody(parser));

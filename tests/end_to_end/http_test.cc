@@ -308,6 +308,24 @@ TEST_F(Http, WhatIsNoHttpIsRefused) {
   EXPECT_EQ(connection.Receive().status, 431);
 }
 
+// What follows such a head is a body by another reading, so no request that hides in it may be heard.
+TEST_F(Http, AnUnknownTransferCodingIsRefusedAndEndsTheConnection) {
+  const std::string hidden = absl::StrCat("POST ", kGetServerInfo,
+                                          " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                                          "Content-Length: 2\r\n\r\n{}");
+  for (const std::string coding : {"xchunked", "gzip", "gzip, chunked", "chunked, identity", ""}) {
+    HttpConnection connection(port());
+    connection.Send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: " + coding + "\r\n\r\n" + hidden);
+    EXPECT_EQ(connection.Receive().status, 501) << coding;
+    EXPECT_EQ(connection.Receive().status, 0) << coding;
+  }
+  HttpConnection connection(port());
+  connection.Send("POST " + std::string(kGetServerInfo) +
+                  " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nTransfer-Encoding: "
+                  "Chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n");
+  EXPECT_EQ(connection.Receive().status, 200);
+}
+
 TEST_F(Http, ADeadlineEndsACall) {
   CreateMachine();
   const int64_t job = StartEndlessJob();
