@@ -284,8 +284,10 @@ asio::awaitable<void> Connection::Linger() {
 }
 
 asio::awaitable<bool> Connection::Refuse(const Request& request, const Answer& answer, bool may_stay) {
-  context_.options.tell_refused(request, answer);
-  const std::string text = WholeText(answer, may_stay);
+  const std::optional<Answer> too_often = context_.gateway.Count(request);
+  const Answer& told = too_often ? *too_often : answer;
+  if (!too_often || context_.gateway.TellsOfTooOften()) context_.options.tell_refused(request, told);
+  const std::string text = WholeText(told, may_stay);
   const bool is_written = co_await WriteAll(text);
   if (is_written && !may_stay) co_await Linger();
   co_return is_written&& may_stay;
