@@ -344,6 +344,7 @@ class Server::Impl {
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Listener> listener_, http_listener_;
+  PeerUsers peer_users_{[this](const std::string& peer) { return UserOfPeer(peer, port_); }};
   std::shared_ptr<Tls> tls_, http_tls_;  // each port asks by itself what is new
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
@@ -369,6 +370,7 @@ class Server::Impl {
   void StartListening() {
     listener_->Start(
         [this](int listening, int connection) {
+          peer_users_.Connected(connection);
           grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
           parameters.listener_fd = listening;
           parameters.fd = connection;
@@ -502,10 +504,10 @@ class Server::Impl {
   }
 
   // Of a caller within this process, or on this machine.
-  std::string LoginOf(const std::string& peer) const {
+  std::string LoginOf(const std::string& peer) {
     if (listener_ == nullptr) return LoginOfProcess();
     if (listener_->port() != 0) {
-      const std::optional<uid_t> user = UserOfPeer(peer, listener_->port());
+      const std::optional<uid_t> user = peer_users_.UserOf(peer);
       return user ? LoginOfUser(*user) : "unknown";
     }
     // The connections of a unix socket have no names: as long as one user alone has connected, it is he.
