@@ -2,6 +2,7 @@
 
 #include <grpcpp/server.h>
 
+#include <atomic>
 #include <map>
 #include <memory>
 
@@ -18,13 +19,15 @@ using handlers::HeldKind;
 // has been sent between handler and PostSynchronousRequest().
 class Guard final : public grpc::Server::GlobalCallbacks {
  public:
-  void SetLimits(const handlers::HeldLimits& held) {
+  int SetLimits(const handlers::HeldLimits& held) {
     const base::MutexLock lock(mutex_);
     limits_ = held;
     // Calls that are in a handler count here too.
     limits_.max_replies += held.max_uploads + held.max_downloads + held.max_watches + held.max_rewrites;
+    return limits_.max_replies;
   }
   void PreSynchronousRequest(grpc::ServerContext* context) override {
+    ++begun_;  // before the lock, where a flood waits
     const base::MutexLock lock(mutex_);
     auto call = std::make_unique<HeldCall>(held_, limits_, HeldKind::kReply, [context] { context->TryCancel(); });
     call->BeginSilence();
@@ -34,14 +37,17 @@ class Guard final : public grpc::Server::GlobalCallbacks {
     const base::MutexLock lock(mutex_);
     calls_.erase(context);
   }
+  int64_t unheard() const { return begun_ - heard_; }
   // Null for a call that is not guarded. Stays until PostSynchronousRequest().
   HeldCall* Find(grpc::ServerContext* context) {
     const base::MutexLock lock(mutex_);
     const auto found = calls_.find(context);
     return found == calls_.end() ? nullptr : found->second.get();
   }
+  void Hear() { ++heard_; }
 
  private:
+  std::atomic<int64_t> begun_ = 0, heard_ = 0;  // calls, and those that came to a handler of ours
   handlers::HeldCalls held_;
   base::Mutex mutex_;
   handlers::HeldLimits limits_ AXISCAL_GUARDED_BY(mutex_);
@@ -60,9 +66,12 @@ Guard& TheGuard() {
 
 }  // namespace
 
-void GuardCalls(const handlers::HeldLimits& held) { TheGuard().SetLimits(held); }
+int GuardCalls(const handlers::HeldLimits& held) { return TheGuard().SetLimits(held); }
+
+int64_t UnheardCalls() { return TheGuard().unheard(); }
 
 InHandler::InHandler(grpc::ServerContext* context) : context_(context) {
+  TheGuard().Hear();
   if (HeldCall* const call = TheGuard().Find(context)) call->EndSilence();
 }
 

@@ -1,9 +1,10 @@
 #include "server/listener.h"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <linux/tcp.h>  // glibc's tcp_info ends before tcpi_bytes_received
 #include <netdb.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/resource.h>
@@ -14,6 +15,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -131,6 +133,42 @@ int64_t RaiseDescriptorLimit() {
   raised.rlim_cur = limit.rlim_max;
   if (limit.rlim_cur != limit.rlim_max && setrlimit(RLIMIT_NOFILE, &raised) == 0) limit = raised;
   return static_cast<int64_t>(limit.rlim_cur);
+}
+
+std::string PeerOf(int connection) {
+  sockaddr_storage address = {};
+  socklen_t size = sizeof(address);
+  if (getpeername(connection, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "";
+  char host[INET6_ADDRSTRLEN] = {};
+  if (address.ss_family == AF_INET) {
+    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
+    inet_ntop(AF_INET, &v4.sin_addr, host, sizeof(host));
+    return absl::StrCat("ipv4:", host, ":", ntohs(v4.sin_port));
+  }
+  if (address.ss_family != AF_INET6) return "";
+  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
+  if (IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr)) {
+    inet_ntop(AF_INET, v6.sin6_addr.s6_addr + 12, host, sizeof(host));
+    return absl::StrCat("ipv4:", host, ":", ntohs(v6.sin6_port));
+  }
+  inet_ntop(AF_INET6, &v6.sin6_addr, host, sizeof(host));
+  return absl::StrCat("ipv6:[", host, "]:", ntohs(v6.sin6_port));
+}
+
+int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends) {
+  int count = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    int descriptor = -1;
+    if (!absl::SimpleAtoi(entry.path().filename().string(), &descriptor) || PortOf(descriptor) != port) continue;
+    const std::string peer = PeerOf(descriptor);
+    tcp_info info = {};
+    socklen_t size = sizeof(info);
+    if (peer.empty() || getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) continue;
+    if (static_cast<int64_t>(info.tcpi_bytes_received) < least_bytes || !ends(peer)) continue;
+    count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
+  }
+  return count;
 }
 
 absl::StatusOr<bool> IsLocalOnly(const std::string& address) {

@@ -29,6 +29,14 @@ absl::StatusOr<bool> IsLocalOnly(const std::string& address);
 // LISTEN_UNPROTECTED, which says what to do.
 absl::Status Unprotected(const std::string& address);
 
+// As gRPC writes it where it listens ("ipv4:192.0.2.7:40312"), but with plain brackets ("ipv6:[::1]:40312"); empty for
+// a socket without address.
+std::string PeerOf(int connection);
+
+// Ends the connections to `port` of this process that have brought at least so many bytes and that `ends` chooses by
+// their peer (PeerOf); how many. Their calls are cancelled.
+int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends);
+
 class Listener {
  public:
   // Gets each connection (non-blocking) with the socket that it came from, on the listener's thread, and owns it.

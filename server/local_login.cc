@@ -1,5 +1,6 @@
 #include "server/local_login.h"
 
+#include <netinet/in.h>
 #include <pwd.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 
 namespace axiscal::server {
 namespace {
@@ -22,6 +24,8 @@ int PortIn(const std::string& place, int base) {
   const long port = std::strtol(place.c_str() + colon + 1, &end, base);
   return *end == '\0' ? static_cast<int>(port) : -1;
 }
+
+std::string PortText(const std::string& peer) { return peer.substr(peer.rfind(':') + 1); }
 
 }  // namespace
 
@@ -62,6 +66,40 @@ std::optional<uid_t> UserOfPeer(const std::string& peer, int port) {
     }
   }
   return std::nullopt;
+}
+
+void PeerUsers::Connected(int connection) {
+  sockaddr_storage address = {};
+  socklen_t size = sizeof(address);
+  if (getpeername(connection, reinterpret_cast<sockaddr*>(&address), &size) != 0) return;
+  if (address.ss_family == AF_INET)
+    Connected(absl::StrCat(":", ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port)));
+  if (address.ss_family == AF_INET6)
+    Connected(absl::StrCat(":", ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port)));
+}
+
+void PeerUsers::Connected(const std::string& peer) {
+  const base::MutexLock lock(mutex_);
+  User& user = users_[PortText(peer)];
+  ++user.connection;
+  user.id.reset();
+}
+
+std::optional<uid_t> PeerUsers::UserOf(const std::string& peer) {
+  const std::string port = PortText(peer);
+  uint64_t connection = 0;
+  {
+    const base::MutexLock lock(mutex_);
+    const auto found = users_.find(port);
+    if (found == users_.end()) return std::nullopt;  // no connection of ours
+    if (found->second.id) return found->second.id;
+    connection = found->second.connection;
+  }
+  const std::optional<uid_t> id = ask_(peer);
+  const base::MutexLock lock(mutex_);
+  User& user = users_[port];
+  if (user.connection == connection) user.id = id;
+  return id;
 }
 
 }  // namespace axiscal::server

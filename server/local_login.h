@@ -4,8 +4,14 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include "core/base/mutex.h"
 
 namespace axiscal::server {
 
@@ -19,6 +25,32 @@ std::string LoginOfProcess();
 std::optional<uid_t> UserOfPeer(const std::string& peer, int port);
 // The user whose process connected to a unix socket; `connection` is our end.
 std::optional<uid_t> UserOfUnixPeer(int connection);
+
+// Who holds the other ends of a server's TCP connections, asked once a connection: the system tells by a table of all
+// connections of the machine, which takes longer than most calls. Safe from any thread.
+class PeerUsers {
+ public:
+  using Ask = std::function<std::optional<uid_t>(const std::string& peer)>;
+
+  // `ask`: UserOfPeer() with the server's port.
+  explicit PeerUsers(Ask ask) : ask_(std::move(ask)) {}
+
+  // A connection has come, before its first call: whoever had its other end's port before is gone.
+  void Connected(int connection);
+  void Connected(const std::string& peer);
+  // As UserOfPeer(). What the system does not tell is asked again.
+  std::optional<uid_t> UserOf(const std::string& peer);
+
+ private:
+  struct User {
+    uint64_t connection = 0;  // counts those that had the port
+    std::optional<uid_t> id;
+  };
+
+  const Ask ask_;
+  base::Mutex mutex_;
+  std::map<std::string, User> users_ AXISCAL_GUARDED_BY(mutex_);  // by port: 64 Ki at most
+};
 
 }  // namespace axiscal::server
 

@@ -13,6 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "core/base/files.h"
 #include "server/config.h"
+#include "server/grpc_log.h"
 #include "server/listener.h"
 #include "server/log.h"
 #include "server/offline.h"
@@ -264,6 +265,7 @@ int main(int argc, char** argv) {
 
   const sigset_t signals = BlockStopSignals();
   axiscal::server::StartLog(configured->config.log_json ? LogFormat::kJson : LogFormat::kKeyValue);
+  axiscal::server::TakeGrpcLog();
   axiscal::server::SetLogLevel(*axiscal::records::LogLevelNamed(configured->config.log_level));
   const int64_t descriptors = axiscal::server::RaiseDescriptorLimit();
   Log(LogLevel::kInfo, "start",

@@ -141,7 +141,7 @@ std::string RequestIdOf(const google::protobuf::Message& message) {
 }
 
 // Who calls, whether it may, and then the handler.
-absl::Status Pass(handlers::Core& core, const std::shared_ptr<Admission>& admission,
+absl::Status Pass(handlers::Core& core, const std::string& peer, const std::shared_ptr<Admission>& admission,
                   const google::protobuf::Message* request, handlers::Call& call, std::string& request_id,
                   const std::function<absl::Status(const handlers::Call&)>& handler) {
   if (request != nullptr) request_id = RequestIdOf(*request);
@@ -154,6 +154,7 @@ absl::Status Pass(handlers::Core& core, const std::shared_ptr<Admission>& admiss
   const access::Identity& identity = *identified;
   call.user = identity.name;
   if (!identity.is_local) {
+    core.known.Add(peer);
     RETURN_IF_ERROR(core.rates.Take(identity.name));
     call.counted_as = identity.name;
   }
@@ -199,7 +200,7 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
   absl::Status status = caller.ok() ? CheckUser(says) : caller.status();
   if (status.ok()) {
     const auto admission = std::make_shared<Admission>(core.gate, caller->credentials, method);
-    status = Pass(core, admission, request, call, request_id, handler);
+    status = Pass(core, caller->peer, admission, request, call, request_id, handler);
   }
   core.denied(call, method, status);
   --core.open_calls;

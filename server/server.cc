@@ -51,6 +51,18 @@ constexpr int kMinPingIntervalMs = 10'000;
 constexpr int kMaxAnswerBytes = 256 << 20;
 // Of one connection at a time; a client that makes more waits for a place.
 constexpr int kMaxCallsOfConnection = 1000;
+// Of gRPC's threads beside those that have a call: they wait for the next one.
+constexpr int kThreadsOfGrpc = 100;
+// How often it is looked whether calls flood in that no handler hears of, and how many of them are a flood: more than
+// people and dashboards that change their mind, or clients whose deadlines are over, take back. Until it is looked, all
+// that come are in memory, 20 KB each.
+constexpr std::chrono::milliseconds kFloodLook(10);
+constexpr int64_t kMostUnheard = 20;
+// After one it is looked for its connections so long: their calls wait in gRPC, and are counted when they have a
+// thread.
+constexpr std::chrono::seconds kFloodLasts(5);
+// Who has brought so much and shown no identity is no caller that has just come: TLS and a first call take a fifth.
+constexpr int64_t kMuchOfAStranger = 32 << 10;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -107,7 +119,7 @@ void LogTls(const absl::Status& taken) {
   }
 }
 
-void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
+void SetChannelArguments(const ServerOptions& options, int calls, grpc::ServerBuilder& builder) {
   // The bandwidth probe lets gRPC read megabytes ahead of us per stream; a fixed window bounds memory and latency.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, options.window_bytes);
@@ -121,6 +133,9 @@ void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& buil
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsOfConnection);
   grpc::ResourceQuota memory("axiscald");
   memory.Resize(static_cast<size_t>(options.waiting_bytes));
+  // Each call has a thread as soon as its message is there. Without a limit a flood becomes as many threads as the
+  // system has: beyond it gRPC refuses calls (RESOURCE_EXHAUSTED) until some have ended.
+  memory.SetMaxThreads(calls + kThreadsOfGrpc);
   builder.SetResourceQuota(memory);
   // gRPC holds the compressed size against that limit, and 1 MB of gzip makes 1 GB of zeros. Readings and programs gain
   // little from it on the wire.
@@ -251,9 +266,9 @@ class Server::Impl {
 
   absl::Status Start() {
     ChoosePlugins();
-    GuardCalls(core_.limits.held);
+    const int calls = GuardCalls(core_.limits.held);
     grpc::ServerBuilder builder;
-    SetChannelArguments(options_, builder);
+    SetChannelArguments(options_, calls, builder);
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
       if (!listener_->is_local_only() && !options_.tls.is_set()) return Unprotected(options_.listen_address);
@@ -290,7 +305,10 @@ class Server::Impl {
     };
     if (listener_ != nullptr) StartListening();
     if (http_listener_ != nullptr) StartHttp();
-    if (core_.gate.asks()) asker_ = std::thread([this] { AskAgain(); });
+    if (core_.gate.asks()) {
+      asker_ = std::thread([this] { AskAgain(); });
+      flood_watch_ = std::thread([this] { WatchFloods(); });
+    }
     database_->Follow([this](const storage::News& news) { Hear(news); });
     runner_.Start();
     watcher_.Start();
@@ -344,6 +362,7 @@ class Server::Impl {
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Listener> listener_, http_listener_;
+  PeerUsers peer_users_{[this](const std::string& peer) { return UserOfPeer(peer, port_); }};
   std::shared_ptr<Tls> tls_, http_tls_;  // each port asks by itself what is new
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
@@ -369,6 +388,8 @@ class Server::Impl {
   void StartListening() {
     listener_->Start(
         [this](int listening, int connection) {
+          peer_users_.Connected(connection);
+          core_.known.Forget(PeerOf(connection));
           grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
           parameters.listener_fd = listening;
           parameters.fd = connection;
@@ -471,6 +492,37 @@ class Server::Impl {
     }
   }
 
+  // Ends connections of strangers while calls come that no handler hears of: gRPC has those without bound, and does not
+  // say from where they come.
+  void WatchFloods() {
+    const base::MutexLock lock(housekeeper_mutex_);
+    int64_t before = UnheardCalls();
+    base::SteadyTime flood_until = base::SystemClock().SteadyNow();
+    while (!stop_housekeeper_) {
+      const base::SteadyTime next = base::SystemClock().SteadyNow() + kFloodLook;
+      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
+        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
+      }
+      const int64_t now = UnheardCalls();
+      if (now - before >= kMostUnheard) flood_until = base::SystemClock().SteadyNow() + kFloodLasts;
+      if (!stop_housekeeper_ && base::SystemClock().SteadyNow() < flood_until) {
+        housekeeper_mutex_.Unlock();
+        EndStrangers(now - before);
+        housekeeper_mutex_.Lock();
+      }
+      before = now;
+    }
+  }
+  void EndStrangers(int64_t calls) {
+    const int count =
+        EndConnections(port_, kMuchOfAStranger, [this](const std::string& peer) { return !core_.known.Has(peer); });
+    if (count == 0 || !core_.told_refusals.Take("flood").ok()) return;
+    Log(LogLevel::kWarning, "flood",
+        {{"calls", absl::StrCat(calls)},
+         {"connections", absl::StrCat(count)},
+         {"text", "calls that no handler heard of: connections that brought much and showed no identity were ended"}});
+  }
+
   // Jobs whose creators may no longer create them.
   void CancelRefusedJobs() {
     for (const records::JobState state : {records::JobState::kRunning, records::JobState::kQueued}) {
@@ -502,10 +554,10 @@ class Server::Impl {
   }
 
   // Of a caller within this process, or on this machine.
-  std::string LoginOf(const std::string& peer) const {
+  std::string LoginOf(const std::string& peer) {
     if (listener_ == nullptr) return LoginOfProcess();
     if (listener_->port() != 0) {
-      const std::optional<uid_t> user = UserOfPeer(peer, listener_->port());
+      const std::optional<uid_t> user = peer_users_.UserOf(peer);
       return user ? LoginOfUser(*user) : "unknown";
     }
     // The connections of a unix socket have no names: as long as one user alone has connected, it is he.
@@ -537,6 +589,7 @@ class Server::Impl {
     }
     if (housekeeper_.joinable()) housekeeper_.join();
     if (asker_.joinable()) asker_.join();
+    if (flood_watch_.joinable()) flood_watch_.join();
   }
 
   base::Mutex housekeeper_mutex_;
@@ -545,6 +598,7 @@ class Server::Impl {
   EndWarnings end_warnings_;  // the housekeeper's alone
   std::thread housekeeper_;
   std::thread asker_;
+  std::thread flood_watch_;
   Denials denials_;
 
   watch::WatcherOptions WatcherOptions() {

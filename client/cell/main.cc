@@ -11,6 +11,7 @@
 
 #include "absl/synchronization/mutex.h"
 #include "client/cell/cell.h"
+#include "client/silence_grpc.h"
 #include "core/base/files.h"
 
 namespace {
@@ -51,6 +52,7 @@ bool WaitForSignal(const sigset_t& signals, std::chrono::milliseconds time) {
 
 int main(int argc, char** argv) {
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  axiscal::client::SilenceGrpc();
   CLI::App app(
       "Watches folders beside a machine tool: what controllers and probes write there goes to the server, once, in "
       "order, over power cuts and days without network. Stops on SIGTERM.");

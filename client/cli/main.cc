@@ -9,6 +9,7 @@
 #include "client/cli/context.h"
 #include "client/cli/embedded.h"
 #include "client/cli/exit_code.h"
+#include "client/silence_grpc.h"
 #include "core/base/error_detail.h"
 
 namespace axiscal::cli {
@@ -135,5 +136,6 @@ int main(int argc, char** argv) {
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   // A file beyond the user's limit (ulimit -f) is an error of the write, like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
+  axiscal::client::SilenceGrpc();
   return axiscal::cli::Main(argc, argv);
 }

@@ -16,6 +16,7 @@
 #include "core/records/diagnosis.h"
 #include "server/access/forwarded.h"
 #include "server/access/gate.h"
+#include "server/access/known_peers.h"
 #include "server/handlers/budget.h"
 #include "server/handlers/calibration_fit.h"
 #include "server/handlers/call_rates.h"
@@ -63,6 +64,7 @@ struct Core {
   Budget reducing{((int64_t{1} << 30) / Budget::kMostOfOne + 1) * (Budget::kMostOfOne + 1)};
   OpenCalls open{};
   access::ForwardedCalls forwarded{};
+  access::KnownPeers known{};
   // Told of each call that was denied.
   std::function<void(const Call& call, const std::string& method, const absl::Status& status)> denied =
       [](const auto&...) {};

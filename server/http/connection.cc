@@ -284,8 +284,10 @@ asio::awaitable<void> Connection::Linger() {
 }
 
 asio::awaitable<bool> Connection::Refuse(const Request& request, const Answer& answer, bool may_stay) {
-  context_.options.tell_refused(request, answer);
-  const std::string text = WholeText(answer, may_stay);
+  const std::optional<Answer> too_often = context_.gateway.Count(request);
+  const Answer& told = too_often ? *too_often : answer;
+  if (!too_often || context_.gateway.TellsOfTooOften()) context_.options.tell_refused(request, told);
+  const std::string text = WholeText(told, may_stay);
   const bool is_written = co_await WriteAll(text);
   if (is_written && !may_stay) co_await Linger();
   co_return is_written&& may_stay;
@@ -363,6 +365,14 @@ asio::awaitable<bool> Connection::ServeOne() {
   const bool stays = parser.keep_alive();
   if (!FillRequest(parser.get(), *request) || (is_new && request->fields.count("host") == 0)) {
     const Answer answer = BadRequest(400, "a request needs a target that begins with / and a Host");
+    co_await Refuse(*request, answer, false);
+    co_return false;
+  }
+  // Of a body in a coding that is not known the end is not known either (RFC 9112, section 6.1): what it holds would be
+  // read as further requests.
+  if (request->fields.count("transfer-encoding") > 0 &&
+      absl::AsciiStrToLower(request->Field("transfer-encoding")) != "chunked") {
+    const Answer answer = BadRequest(501, "Transfer-Encoding must be chunked");
     co_await Refuse(*request, answer, false);
     co_return false;
   }

@@ -106,6 +106,14 @@ Answer Gateway::Refusal(const Request& request, const absl::Status& status) cons
   return ErrorAnswer(status);
 }
 
+std::optional<Answer> Gateway::Count(const Request& request) const {
+  const absl::Status taken = core_.rates.Take(access::PeerHost(request.peer.address));
+  if (taken.ok()) return std::nullopt;
+  return ErrorAnswer(taken);
+}
+
+bool Gateway::TellsOfTooOften() const { return core_.told_refusals.Take("log").ok(); }
+
 absl::StatusOr<access::Credentials> Gateway::CredentialsOf(const Request& request) const {
   access::Credentials credentials;
   credentials.login = request.peer.login;
@@ -177,9 +185,11 @@ void Gateway::Serve(const Request& request, Exchange& exchange) {
       exchange.Send({415, {{"Accept-Post", "application/json"}}, ""});
     } else if (request.path == kSignOut) {
       exchange.Send(SignOut(request, sign_ins_));
+    } else if (absl::StatusOr<Answer> answer = SignIn(request, core_.gate, sign_ins_); answer.ok()) {
+      exchange.Send(*std::move(answer));
     } else {
-      absl::StatusOr<Answer> answer = SignIn(request, core_.gate, sign_ins_);
-      exchange.Send(answer.ok() ? *std::move(answer) : Refusal(request, answer.status()));
+      const Answer refusal = Refusal(request, answer.status());
+      exchange.Send(Count(request).value_or(refusal));
     }
     return;
   }

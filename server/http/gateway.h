@@ -34,6 +34,11 @@ class Gateway {
 
   // Of a request without its body yet.
   BodyRule RuleFor(const Request& head) const;
+  // What is refused before it is a call of the API counts as one of whoever is at that address: the answer to who calls
+  // too often (RATE_EXCEEDED), nothing otherwise.
+  std::optional<Answer> Count(const Request& request) const;
+  // Whether the log shall hear of one of those: once a second.
+  bool TellsOfTooOften() const;
   // Answers it. Blocks until the caller has the answer.
   void Serve(const Request& request, Exchange& exchange);
 

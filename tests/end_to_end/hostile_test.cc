@@ -2,7 +2,9 @@
 #include <signal.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -10,7 +12,9 @@
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "server/access/gate.h"
 #include "server/local_login.h"
+#include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
 #include "tests/end_to_end/testing/raw_http2.h"
@@ -145,6 +149,55 @@ TEST_F(Hostile, WhatIsHalfSentBeyondItsLimitIsCancelled) {
   }
   ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
   ASSERT_OK(client_->Upload(MachineId("mt"), BallbarSession("mt", "BX", 5'000)));
+}
+
+// HTTP/2 rapid reset (CVE-2023-44487): the calls are none of those that a connection may have at a time, and each gets
+// a thread.
+TEST_F(Hostile, CallsThatAreTakenBackAtOnceEndTheConnectionAndMakeNoThreads) {
+  const std::string token = access::NewToken();
+  {
+    storage::SqliteOptions options;
+    options.path = dir_.File("axiscal.db");
+    const auto database = storage::OpenSqlite(options);
+    ASSERT_OK(database);
+    ASSERT_OK((*database)->CreatePrincipal("ann", "", {"setup", ""}));
+    ASSERT_OK((*database)->ChangeRole("ann", {records::Role::kAdmin, {}}, true, {"setup", ""}));
+    ASSERT_OK((*database)->CreateToken({"ann", access::HashOfToken(token), "", {}}, {"setup", ""}));
+  }
+  std::ofstream(dir_.File("token")) << token << "\n";
+  StartServer({"--ask-identity"});
+  const int64_t most_threads = server_->ThreadCount() + 3'000;
+  constexpr int kConnections = 4, kCalls = 40'000;
+  std::atomic<int> ended = 0;
+  std::vector<std::thread> floods;
+  for (int i = 0; i < kConnections; ++i) {
+    floods.emplace_back([&] {
+      RawConnection connection(server_->address());
+      ended += connection.BeginAndReset("/axiscal.v1.Machines/ListMachines", kCalls) < kCalls ? 1 : 0;
+    });
+  }
+  std::atomic<bool> is_over = false;
+  int64_t threads = 0;
+  std::thread watch([&] {
+    while (!is_over) threads = std::max(threads, server_->ThreadCount());
+  });
+  for (std::thread& flood : floods) flood.join();
+  is_over = true;
+  watch.join();
+  EXPECT_EQ(ended, kConnections);
+  EXPECT_LT(threads, most_threads);
+  client::Options options;
+  options.identity.token_file = dir_.File("token");
+  auto client = client::Client::Connect(server_->address(), options);
+  ASSERT_OK(client);
+  // What was queued before they were ended has the threads for a while.
+  constexpr int kTries = 600;
+  absl::Status created;
+  for (int i = 0; i < kTries && (i == 0 || absl::IsResourceExhausted(created)); ++i) {
+    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    created = client->CreateMachine(MachineJson("mt")).status();
+  }
+  EXPECT_TRUE(created.ok()) << created;
 }
 
 // As many keys as a message can hold are answered while the caller waits.

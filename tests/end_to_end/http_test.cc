@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <regex>
 
@@ -17,6 +18,7 @@
 #include "core/session/write_session.h"
 #include "server/access/gate.h"
 #include "server/http/messages.h"
+#include "server/log.h"
 #include "server/server.h"
 #include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
@@ -306,6 +308,24 @@ TEST_F(Http, WhatIsNoHttpIsRefused) {
   HttpConnection connection(port());
   connection.Send("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n");
   EXPECT_EQ(connection.Receive().status, 431);
+}
+
+// What follows such a head is a body by another reading, so no request that hides in it may be heard.
+TEST_F(Http, AnUnknownTransferCodingIsRefusedAndEndsTheConnection) {
+  const std::string hidden = absl::StrCat("POST ", kGetServerInfo,
+                                          " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+                                          "Content-Length: 2\r\n\r\n{}");
+  for (const std::string coding : {"xchunked", "gzip", "gzip, chunked", "chunked, identity", ""}) {
+    HttpConnection connection(port());
+    connection.Send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: " + coding + "\r\n\r\n" + hidden);
+    EXPECT_EQ(connection.Receive().status, 501) << coding;
+    EXPECT_EQ(connection.Receive().status, 0) << coding;
+  }
+  HttpConnection connection(port());
+  connection.Send("POST " + std::string(kGetServerInfo) +
+                  " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nTransfer-Encoding: "
+                  "Chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n");
+  EXPECT_EQ(connection.Receive().status, 200);
 }
 
 TEST_F(Http, ADeadlineEndsACall) {
@@ -845,6 +865,40 @@ TEST_F(HttpAccess, WhatIsDeniedAtTheDoorIsInTheAudit) {
   EXPECT_THAT(calls, UnorderedElementsAre(Pair("denied /sign-in UNAUTHENTICATED TOKEN_INVALID", 3),
                                           Pair("denied /sign-in PERMISSION_DENIED ORIGIN_REFUSED", 1),
                                           Pair("denied Ingest.CreateSession UNAUTHENTICATED IDENTITY_MISSING", 1)));
+}
+
+// Files of nobody, tokens that are tried, pages of others and what is no HTTP are calls of whoever is at that address.
+TEST_F(HttpAccess, WhatIsRefusedAtTheDoorIsCountedAndFillsNoLog) {
+  server::ServerOptions options;
+  options.calls_per_second = 5;
+  StartAsking(options);
+  server::StartLog(server::LogFormat::kKeyValue);
+  ::testing::internal::CaptureStderr();
+  const HttpFields page = {{"Content-Type", "application/json"}, {"Origin", "http://localhost"}};
+  const auto file = [&] { return Fetch(port(), "POST", "/v1/programs/x.nc"); };
+  const auto sign_in = [&] { return Fetch(port(), "POST", "/sign-in", page, R"({"token": "axt_wrong"})"); };
+  const auto foreign = [&] { return Fetch(port(), "GET", "/metrics", {{"Origin", "http://evil.example"}}); };
+  constexpr int kTries = 300;
+  int first_refused = kTries, let_in = 0;
+  for (int i = 0; i < kTries; ++i) {
+    const HttpAnswer answer = i % 3 == 0 ? file() : i % 3 == 1 ? sign_in() : foreign();
+    if (answer.status == 429) {
+      EXPECT_THAT(answer.body, HasSubstr("RATE_EXCEEDED"));
+      first_refused = std::min(first_refused, i);
+    } else {
+      EXPECT_TRUE(answer.status == 401 || answer.status == 403) << answer.status << " " << answer.body;
+      ++let_in;
+    }
+    HttpConnection no_http(port());
+    no_http.Send("?\r\n\r\n");
+    EXPECT_THAT(no_http.Receive().status, ::testing::AnyOf(400, 429));
+  }
+  server::StartLog(server::LogFormat::kNone);
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_LT(first_refused, kTries);
+  const auto lines = std::count(log.begin(), log.end(), '\n');
+  EXPECT_LT(lines, kTries) << let_in << " were let in";
+  EXPECT_THAT(log, HasSubstr("event=http_refused"));
 }
 
 // docs/http.md shows what a cell, a technician and an approver do by curl alone: it is done.

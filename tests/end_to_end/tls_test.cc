@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "core/base/error_detail.h"
 #include "core/base/testing/fake_clock.h"
@@ -14,6 +15,7 @@
 #include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
+#include "tests/end_to_end/testing/raw_http2.h"
 
 namespace axiscal {
 namespace {
@@ -171,6 +173,32 @@ TEST_F(TlsPort, ACertificateThatEndsSoonIsNamedInTheLog) {
   while (Log().find("event=certificate_ends") == std::string::npos)
     EXPECT_TRUE(Reach(server->address(), Shown("pki", "pki")).ok());
   EXPECT_NE(Log().find("ends in 19 days"), std::string::npos) << Log();
+}
+
+// Of each handshake that fails gRPC has something to say, in a form of its own; whoever reaches the port brings it
+// about.
+TEST_F(TlsPort, WhatGrpcSaysIsInTheLogInItsFormAndNotOften) {
+  std::vector<std::string> flags = Flags();
+  flags.push_back("--log-json");
+  absl::StatusOr<ServerProcess> server = StartServer("127.0.0.1:0", flags);
+  ASSERT_OK(server);
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    testing::RawConnection plain(server->address());
+    plain.Greet();
+    EXPECT_TRUE(plain.WaitForClose());
+  }
+  EXPECT_TRUE(Reach(server->address(), Shown("pki", "pki")).ok());
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 0);
+  std::istringstream lines(Log());
+  int told = 0;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_EQ(line.rfind("{\"time\":", 0), 0u) << line;
+    told += line.find("Handshake failed") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(told, 0);
+  EXPECT_LT(told, kTries / 2);
 }
 
 TEST_F(TlsPort, ATokenIsNotSentReadable) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <map>
+#include <thread>
 
 #include "core/base/demand.h"
 
@@ -74,12 +75,13 @@ RawConnection::~RawConnection() {
   if (socket_ >= 0) close(socket_);
 }
 
-void RawConnection::Send(const std::string& bytes) {
+bool RawConnection::Send(const std::string& bytes) {
   for (size_t sent = 0; sent < bytes.size();) {
     const ssize_t count = send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (count <= 0) return;
+    if (count <= 0) return false;
     sent += static_cast<size_t>(count);
   }
+  return true;
 }
 
 void RawConnection::Greet() {
@@ -207,6 +209,20 @@ RawConnection::HalfSent RawConnection::SendHalf(const std::string& method, int c
     }
     is_quiet = !has_sent && frames.empty();
   }
+}
+
+int RawConnection::BeginAndReset(const std::string& method, int calls) {
+  constexpr uint32_t kCancel = 8;  // RFC 9113, 7
+  Greet();
+  for (int begun = 0; begun < calls; ++begun) {
+    constexpr int kTogether = 200;
+    if (begun % kTogether == kTogether - 1) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const uint32_t stream = 2 * static_cast<uint32_t>(begun) + 1;
+    if (!Send(Frame(kHeaders, kEndHeaders | kEndStream, stream, Head(method, {})) +
+              Frame(kRstStream, 0, stream, BigEndian(kCancel, 4))))
+      return begun;
+  }
+  return calls;
 }
 
 void RawConnection::SetPatience(std::chrono::milliseconds patience) {

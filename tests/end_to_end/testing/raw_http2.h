@@ -46,6 +46,9 @@ class RawConnection {
   // Greets, and sends of each of `calls` calls, 100 at a time, the first `bytes` of a message of 4 MB, as far as the
   // server lets it; returns when that is done, or the server lets nothing more pass for a second.
   HalfSent SendHalf(const std::string& method, int calls, int64_t bytes);
+  // Greets, and begins calls and takes each of them back at once, at most 20,000 a second, until the server ends the
+  // connection or there were so many; how many.
+  int BeginAndReset(const std::string& method, int calls);
   // Waits until the server has closed the connection; false where it does not, after a minute.
   bool WaitForClose();
 
@@ -57,7 +60,7 @@ class RawConnection {
   };
   // The frames that are there in full; false where no more can come. Answers pings.
   bool Receive(std::vector<Received>& frames);
-  void Send(const std::string& bytes);
+  bool Send(const std::string& bytes);                   // false where the connection has ended
   void SetPatience(std::chrono::milliseconds patience);  // of one recv()
 
   int socket_ = -1;

@@ -1,0 +1,28 @@
+#include "server/access/known_peers.h"
+
+#include "absl/strings/str_replace.h"
+
+namespace axiscal::access {
+namespace {
+
+std::string Plain(const std::string& peer) { return absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}}); }
+
+}  // namespace
+
+void KnownPeers::Add(const std::string& peer) {
+  const base::MutexLock lock(mutex_);
+  if (peers_.size() >= kMost) peers_.clear();
+  peers_.insert(Plain(peer));
+}
+
+void KnownPeers::Forget(const std::string& peer) {
+  const base::MutexLock lock(mutex_);
+  peers_.erase(Plain(peer));
+}
+
+bool KnownPeers::Has(const std::string& peer) const {
+  const base::MutexLock lock(mutex_);
+  return peers_.contains(Plain(peer));
+}
+
+}  // namespace axiscal::access

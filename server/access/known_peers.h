@@ -1,0 +1,31 @@
+// From which connections somebody has called whom the server knows.
+#ifndef AXISCAL_SERVER_ACCESS_KNOWN_PEERS_H_
+#define AXISCAL_SERVER_ACCESS_KNOWN_PEERS_H_
+
+#include <set>
+#include <string>
+
+#include "core/base/mutex.h"
+
+namespace axiscal::access {
+
+// Peers as gRPC has them, "ipv4:192.0.2.7:40312" or "ipv6:%5B::1%5D:40312", also with plain brackets. Safe from any
+// thread.
+class KnownPeers {
+ public:
+  void Add(const std::string& peer);
+  // A connection has come: who had its address before is gone.
+  void Forget(const std::string& peer);
+  bool Has(const std::string& peer) const;
+
+ private:
+  // Beyond it all are forgotten: who is taken for a stranger then, and is cut off in a flood, calls again.
+  static constexpr size_t kMost = 65'536;
+
+  mutable base::Mutex mutex_;
+  std::set<std::string> peers_ AXISCAL_GUARDED_BY(mutex_);
+};
+
+}  // namespace axiscal::access
+
+#endif  // AXISCAL_SERVER_ACCESS_KNOWN_PEERS_H_
