@@ -347,14 +347,16 @@ TEST(Compensator, TheDepartureBoundHolds) {
       ErrorModel errors = machine::DeclaredModel(machine);
       for (auto& term : errors.terms) {
         term.amplitude[0] = unit(random) * (machine::IsAngle(term.component) ? 1e-4 : 0.05);
-        if (round % 9 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
-        if (round % 9 == 2) term.shape = shapes::Quadratic{x};
-        if (round % 9 == 3) term.shape = shapes::Harmonic{c, 3.0};
-        if (round % 9 == 4) term.shape = shapes::Tabulated{x, {40.0, 60.0, 80.0}, false, {}, c, {0.5, 0.5, 0.7}};
-        if (round % 9 == 5) term.shape = shapes::Curve{x, {-150.0, 200.0}};
-        if (round % 9 == 6) term.shape = shapes::Curve{c, {.is_turn = true}};
-        if (round % 9 == 7) term.shape = shapes::Crossed{x, c, {-150.0, 200.0}, {.is_turn = true}};
-        if (round % 9 == 8) term.shape = shapes::ThermalLag{"temp_C", 600.0, x, 1000.0};
+        if (round % 11 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
+        if (round % 11 == 2) term.shape = shapes::Quadratic{x};
+        if (round % 11 == 3) term.shape = shapes::Harmonic{c, 3.0};
+        if (round % 11 == 4) term.shape = shapes::Tabulated{x, {40.0, 60.0, 80.0}, false, {}, c, {0.5, 0.5, 0.7}};
+        if (round % 11 == 5) term.shape = shapes::Curve{x, {-150.0, 200.0}};
+        if (round % 11 == 6) term.shape = shapes::Curve{c, {.is_turn = true}};
+        if (round % 11 == 7) term.shape = shapes::Crossed{x, c, {-150.0, 200.0}, {.is_turn = true}};
+        if (round % 11 == 8) term.shape = shapes::ThermalLag{"temp_C", 600.0, x, 1000.0};
+        if (round % 11 == 9) term.shape = shapes::DriftExp{600.0, TimesPositionOf(machine, x)};
+        if (round % 11 == 10) term.shape = shapes::BacklashCurve{{x, {-150.0, 200.0}}};
         for (int i = 0; shapes::IsFree(term.shape) && i < shapes::BasisCount(term.shape); ++i)
           term.amplitude[i] =
               unit(random) * shapes::PriorRoot(term.shape, i) * (machine::IsAngle(term.component) ? 4e-6 : 0.002);
@@ -362,8 +364,10 @@ TEST(Compensator, TheDepartureBoundHolds) {
       Options options;
       options.tool_tip_mm = {0, 0, -200};
       options.temperature_celsius = 26.0;
+      options.time_s = 900.0;
       const Compensator compensator = MustCreate(machine, errors, options);
       Pose from, to, middle;
+      for (Pose* const pose : {&from, &to, &middle}) pose->sense[x] = -1.0;
       const double size = std::pow(10.0, -3.0 * std::abs(unit(random)));
       for (int i = 0; i < machine.axis_count(); ++i) {
         const double full = machine.axes[i].kind == machine::AxisKind::kLinear ? 300.0 : 1.5;

@@ -34,6 +34,16 @@ TEST(LinuxcncComp, BacklashIsForwardAndReverse) {
   EXPECT_LT(made.report["tool_point_error"]["within_ranges"]["after"]["max_um"].get<double>(), 0.01);
 }
 
+// Worn at the ends, the other way round at one of them: 4 um / sqrt(3) times sqrt(3) x, x from -1 to 1.
+TEST(LinuxcncComp, LostMotionThatIsMoreHereThanThereIsForwardAndReverse) {
+  const Made made = Make(R"({"terms": [{"symbol": "EYY", "shape": "backlash-curve", "from_mm": -300, "to_mm": 300,
+                              "amplitudes": [2.3094010767585034]}]})",
+                         Request("linuxcnc-comp"));
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  EXPECT_THAT(made.text, StartsWith("-300.0000 -0.00400 0.00400\n300.0000 0.00400 -0.00400\n# axis: Y\n"));
+  EXPECT_LT(made.report["tool_point_error"]["within_ranges"]["after"]["max_um"].get<double>(), 0.01);
+}
+
 TEST(LinuxcncComp, ARotaryAxisIsInDegrees) {
   const Made made =
       Make(R"({"terms": [{"symbol": "ECC", "shape": "linear", "amplitude": 10}]})", Request("linuxcnc-comp", {"C"}));
