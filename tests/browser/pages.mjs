@@ -301,10 +301,18 @@ test("the sick machine stands first and says why", async () => {
   await first.getByText("2 newer than what is in use, waiting for approval").waitFor();
   await first.getByRole("link", { name: "mill-7", exact: true }).click();
   await page.locator(".findings .now").first().waitFor();
+  // Which of those that wait is which, and where one decides.
+  await page.getByText(/Calibration 18 \(the newest, measured 19 Oct 2026, residual [\d.]+ → [\d.]+ µm\), Calibration 17 .*Choose one to see/).waitFor();
   // The picture has a mark for each of fifteen calibrations, and its table a row.
   const figure = page.locator("figure", { hasText: "EX0C over time" });
   await figure.waitFor();
   assert.equal(await figure.locator("circle").count(), 15);
+  // Each month stands at its first day: none is left out, and they are as far from each other as they are long.
+  const times = await figure.locator(".time-tick").evaluateAll((all) => all.map((one) => Number(one.getAttribute("x1"))));
+  const names = (await figure.locator("svg .tick").allTextContents()).filter((one) => / 26$/.test(one));
+  assert.deepEqual(names, ["May 26", "Jun 26", "Jul 26", "Aug 26", "Sept 26", "Oct 26"]);
+  const steps = times.slice(1).map((at, i) => Math.round((31 * (at - times[i])) / (times[1] - times[0])));
+  assert.deepEqual(steps, [31, 30, 31, 31, 30]);
   assert.equal(await figure.locator("rect.band").count(), 1);
   await figure.getByText("The same as a table").click();
   // ... and one for the service that somebody has noted, for the jump, and for the event at the calibration that shows it.

@@ -125,6 +125,12 @@ const kTexts = {
   whyMoved: ["needs something else now: order anew to see it in its place", "braucht jetzt etwas anderes: neu ordnen zeigt es an seinem Platz"],
   fleetAllLooked: ["The history of all {n} calibrated machines was looked through.", "Die Geschichte aller {n} kalibrierten Maschinen ist durchgesehen."],
   // machine
+  theNewest: ["the newest", "die neueste"],
+  residualOf: ["residual {before} → {after} µm", "Restfehler {before} → {after} µm"],
+  howToDecide: [
+    "Choose one to see how the tool point would move with it, and to put it in use.",
+    "Wählen Sie eine, um zu sehen, wie sich der Werkzeugpunkt mit ihr bewegt, und um sie in Gebrauch zu nehmen.",
+  ],
   waitsForDecision: ["Newer, waiting for a decision", "Neuer, wartet auf eine Entscheidung"],
   happened: ["What happened", "Was geschah"],
   happenedNothing: [

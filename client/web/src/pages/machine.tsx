@@ -866,6 +866,12 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
   );
 }
 
+// What tells a good one from another: "residual 1.5 → 0.29 µm".
+function residualText({ statistics: s }: Calibration): string {
+  if (s?.rmsBeforeUm === undefined || s.rmsAfterUm === undefined) return "";
+  return t("residualOf", { before: numberText(s.rmsBeforeUm), after: numberText(s.rmsAfterUm) });
+}
+
 export function MachinePage(props: { machineId: string }) {
   const machine = useLoad(`machine ${props.machineId}`, () => loadMachine(props.machineId), 60_000);
   const [limits, setLimits] = useState(new Map<string, [number, number]>());
@@ -882,7 +888,7 @@ export function MachinePage(props: { machineId: string }) {
               {inUse && (
                 <p class="lead">
                   {t("inUse")}: <a href={`#/calibrations/${inUse.calibrationId}`}>{t("calibrationN", { n: inUse.calibrationId })}</a>,{" "}
-                  {inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) })}
+                  {[inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) }), residualText(inUse)].filter(Boolean).join(", ")}
                 </p>
               )}
               {waiting.length > 0 && (
@@ -892,9 +898,16 @@ export function MachinePage(props: { machineId: string }) {
                     <>
                       {i > 0 && ", "}
                       <a href={`#/calibrations/${one.calibrationId}`}>{t("calibrationN", { n: one.calibrationId })}</a>
-                      {one.provenance && ` (${t("measuredOn", { day: dayText(one.provenance.measuredUtcUs) })})`}
+                      {` (${[
+                        i === 0 && waiting.length > 1 && t("theNewest"),
+                        one.provenance && t("measuredOn", { day: dayText(one.provenance.measuredUtcUs) }),
+                        residualText(one),
+                      ]
+                        .filter(Boolean)
+                        .join(", ")})`}
                     </>
                   ))}
+                  . {t("howToDecide")}
                 </p>
               )}
               <section>
