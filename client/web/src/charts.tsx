@@ -35,6 +35,19 @@ export interface Foretold {
   high: number;
 }
 
+// Half of what "Sept. 26" is wide, in units of the picture.
+const kHalfLabel = 28;
+const kMostTimes = 7;
+// First days of months, where the reader is: each month, or each second, third ... as many as there is room for; `areYears`: Januaries.
+export function calendarTicks(from: Date, to: Date): { months: Date[]; areYears: boolean } {
+  const first = 12 * from.getFullYear() + from.getMonth();
+  const last = 12 * to.getFullYear() + to.getMonth();
+  const step = [1, 2, 3, 6, 12, 24, 60, 120].find((one) => (last - first) / one < kMostTimes) ?? 240;
+  const months: Date[] = [];
+  for (let month = Math.ceil(first / step) * step; month <= last; month += step) months.push(new Date(Math.floor(month / 12), month % 12, 1));
+  return { months: months.filter((month) => month >= from), areYears: step >= 12 };
+}
+
 // Ticks at 1, 2 or 5 times a power of ten.
 function ticks(low: number, high: number, most: number): number[] {
   const rough = (high - low) / most;
@@ -77,12 +90,17 @@ export function TimeLine(props: {
   high += room;
   const y = (value: number) => top + ((high - value) / (high - low)) * (height - top - bottom);
   const kDayUs = 86400e6;
-  const years = span > 720 * kDayUs, days = span < 90 * kDayUs;
+  const days = span < 90 * kDayUs;
+  const { months, areYears } = calendarTicks(dateOf(props.fromUs), dateOf(props.toUs));
   const format = new Intl.DateTimeFormat(
     language.value === "de" ? "de-DE" : "en-GB",
-    years ? { year: "numeric" } : days ? { day: "numeric", month: "short" } : { month: "short", year: "2-digit" },
+    days ? { day: "numeric", month: "short" } : areYears ? { year: "numeric" } : { month: "short", year: "2-digit" },
   );
-  const marks = [0, 1, 2, 3, 4, 5].map((i) => props.fromUs + BigInt(Math.round((span * i) / 5)));
+  const marks = days
+    ? [0, 1, 2, 3, 4, 5].map((i) => props.fromUs + BigInt(Math.round((span * i) / 5)))
+    : months.map((month) => BigInt(month.getTime()) * 1000n);
+  // At the edges a label stands inside.
+  const side = (us: bigint) => (x(us) < kLeft + kHalfLabel ? "" : x(us) > kWidth - kRight - kHalfLabel ? "end" : "middle");
   return (
     <svg class="chart" viewBox={`0 0 ${kWidth} ${height}`} role="group" aria-label={props.title}>
       {props.bands.map((band) => (
@@ -121,10 +139,13 @@ export function TimeLine(props: {
           </g>
         ))}
       {props.limits?.map((value) => <line class="limit" x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />)}
-      {marks.map((us, i) => (
-        <text class={`tick ${i === 0 ? "" : i === 5 ? "end" : "middle"}`} x={x(us)} y={height - 6}>
-          {format.format(dateOf(us))}
-        </text>
+      {marks.map((us) => (
+        <>
+          <line class="axis time-tick" x1={x(us)} x2={x(us)} y1={height - 22} y2={height - 18} />
+          <text class={`tick ${side(us)}`} x={x(us)} y={height - 6}>
+            {format.format(dateOf(us))}
+          </text>
+        </>
       ))}
       {props.approvals
         .filter((us) => us >= props.fromUs && us <= props.toUs)

@@ -40,6 +40,10 @@ export function numberText(value: number, digits = 3): string {
 export function percentText(share: number): string {
   return numbers({ style: "percent", maximumFractionDigits: 1, signDisplay: "exceptZero" }).format(-share);
 }
+// Of a certainty, in percent. Never "100": nothing measured is.
+export function certaintyText(share: number): string {
+  return share > 0.9994 ? `> ${numberText(99.9)}` : numberText(100 * share);
+}
 // "0,03"; a small one only says that it is small.
 export function probabilityText(value: number): string {
   return value < 0.001 ? `< ${numberText(0.001)}` : numberText(value, 2);

@@ -5,12 +5,31 @@ import { problemOf, Refusal, type Loaded, type Problem } from "./api";
 import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
 import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
 import { countText, csv, numberText, save } from "./format";
+import type { Said } from "./german";
 import { errorsIn, isoWords } from "./iso";
 import { t } from "./text";
 
 // The server writes English.
 export function Server(props: { text: string }) {
   return <span lang="en">{props.text}</span>;
+}
+
+// What the server says, in the reader's language where german.ts has it: with the server's own words folded behind it where they say more.
+// `isShort`: nothing can be opened there.
+export function Worded(props: { said?: Said; text: string; isShort?: boolean }) {
+  const { said, text } = props;
+  if (said === undefined) return <Server text={text} />;
+  return (
+    <>
+      <span>{said.text}</span>
+      {!said.isWhole && !props.isShort && (
+        <details class="original">
+          <summary>{t("originalWords")}</summary>
+          <Server text={text} />
+        </details>
+      )}
+    </>
+  );
 }
 
 export function Title(props: { text: string; children?: ComponentChildren }) {

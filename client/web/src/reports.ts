@@ -66,6 +66,7 @@ export interface LoopReport {
   next_measurement?: {
     effect: string;
     session: string | null;
+    test?: string;
     text?: string;
     separates?: string[];
     correlation_before?: number;

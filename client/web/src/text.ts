@@ -1,5 +1,5 @@
-// Every text of the pages in English and German. What the server writes (findings, warnings, errors) is English and is
-// marked so; names of users are shown as they are.
+// Every text of the pages in English and German. What the server writes is English: german.ts words findings, events and warnings; the rest is
+// marked as English; names of users are shown as they are.
 import { effect, signal } from "@preact/signals";
 
 const kTexts = {
@@ -31,6 +31,7 @@ const kTexts = {
   loading: ["Loading …", "Lädt …"],
   notFound: ["There is no such page.", "Diese Seite gibt es nicht."],
   problem: ["The server says", "Der Server sagt"],
+  originalWords: ["in full", "im Wortlaut (englisch)"],
   refresh: ["Load again", "Neu laden"],
   cancel: ["Cancel", "Abbrechen"],
   more: ["Show more", "Mehr zeigen"],
@@ -124,6 +125,12 @@ const kTexts = {
   whyMoved: ["needs something else now: order anew to see it in its place", "braucht jetzt etwas anderes: neu ordnen zeigt es an seinem Platz"],
   fleetAllLooked: ["The history of all {n} calibrated machines was looked through.", "Die Geschichte aller {n} kalibrierten Maschinen ist durchgesehen."],
   // machine
+  theNewest: ["the newest", "die neueste"],
+  residualOf: ["residual {before} → {after} µm", "Restfehler {before} → {after} µm"],
+  howToDecide: [
+    "Choose one to see how the tool point would move with it, and to put it in use.",
+    "Wählen Sie eine, um zu sehen, wie sich der Werkzeugpunkt mit ihr bewegt, und um sie in Gebrauch zu nehmen.",
+  ],
   waitsForDecision: ["Newer, waiting for a decision", "Neuer, wartet auf eine Entscheidung"],
   happened: ["What happened", "Was geschah"],
   happenedNothing: [
@@ -377,6 +384,11 @@ const kTexts = {
   ladderPicture: ["Residual of the fit sessions after each step, µm rms, n = {n} readings", "Restfehler der angepassten Messungen nach jedem Schritt, µm quadr. Mittel, n = {n} Messwerte"],
   ladderStart: ["the declared model", "das erklärte Modell"],
   logScale: ["The bars are on a logarithmic scale.", "Die Balken haben eine logarithmische Teilung."],
+  unexplained_local: ["a structure at one place", "eine Struktur an einer Stelle"],
+  unexplained_slip: ["a slip: something moved and stayed", "ein Rutschen: etwas bewegte sich und blieb"],
+  "unexplained_check-session": ["a check session does not fit", "eine Prüfmessung passt nicht"],
+  "unexplained_bad-readings": ["bad readings", "schlechte Messwerte"],
+  unexplained_scatter: ["scatter beyond the stated sigma", "Streuung über die angegebene Sigma hinaus"],
   change_added: ["added", "hinzugefügt"],
   change_dropped: ["dropped: no longer needed", "entfernt: nicht mehr nötig"],
   change_replaced: ["in the place of another that these sessions hardly tell from it", "anstelle eines anderen, den diese Messungen kaum davon unterscheiden"],
@@ -591,7 +603,7 @@ const kTexts = {
   wordNeeded: ["Write a word first.", "Schreiben Sie zuerst etwas."],
   wordTooLong: ["At most {n} bytes.", "Höchstens {n} Bytes."],
   dayNeeded: ["Choose a day.", "Wählen Sie einen Tag."],
-  openEvents: ["Events, not seen", "Ereignisse, ungesehen"],
+  openEvents: ["New events", "Neue Ereignisse"],
   allEvents: ["All events of this machine", "Alle Ereignisse dieser Maschine"],
   event_1: ["out of tolerance", "außer Toleranz"],
   event_2: ["will leave its tolerance", "verlässt bald die Toleranz"],

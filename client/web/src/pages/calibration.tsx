@@ -6,7 +6,8 @@ import { countText, dayText, numberText, probabilityText, save, sigmaText, timeT
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
-import { Empty, ErrorName, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, fieldOf, usePlaced } from "../parts";
+import { warningSaid } from "../german";
+import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport } from "../reports";
 import { may } from "../session";
 import { language, t, tMaybe } from "../text";
@@ -435,7 +436,7 @@ export function Warnings(props: { list?: { kind: string; text: string }[] }) {
       <ul class="findings">
         {props.list.map((one) => (
           <li class="now">
-            <Server text={one.text} />
+            <Worded said={warningSaid(one)} text={one.text} /> <ErrorWords text={one.text} />
           </li>
         ))}
       </ul>

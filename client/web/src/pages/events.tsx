@@ -2,10 +2,11 @@
 import { useState } from "preact/hooks";
 import { events, problemOf, type Problem, Refusal } from "../api";
 import { isNew, isOpen, isShelved, useEvents } from "../events";
-import { dayText, numberText, sigmaText, timeText, valueText, unitText } from "../format";
+import { certaintyText, dayText, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
-import { Empty, ErrorWords, FormDialog, ProblemBox, Server, Show, Title, fieldOf, noteOf } from "../parts";
+import { adviceSaid, clearedSaid, eventSaid } from "../german";
+import { Empty, ErrorWords, FormDialog, ProblemBox, Server, Show, Title, Worded, fieldOf, noteOf } from "../parts";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
 
@@ -23,11 +24,6 @@ function StateOfEvent(props: { event: Event }) {
   if (isShelved(event)) return <span class="mark old">{t("eventShelved")}</span>;
   if (event.acknowledgedUtcUs !== undefined) return <span class="mark wait">{t("eventSeen")}</span>;
   return <span class="mark bad">{t("eventNew")}</span>;
-}
-
-// Never "100 %": nothing measured is.
-function percentText(share: number): string {
-  return share > 0.9994 ? `> ${numberText(99.9)}` : numberText(100 * share);
 }
 
 // Days of the calendar where the reader is, as an input of dates writes them.
@@ -58,7 +54,7 @@ function Act(props: { event: Event; what: "acknowledge" | "shelve"; onClose: () 
       intro={
         <>
           <p>
-            <Server text={event.text} /> <ErrorWords text={event.text} />
+            <Worded said={eventSaid(event)} text={event.text} /> <ErrorWords text={event.text} />
           </p>
           <p>{t(effect)}</p>
         </>
@@ -119,11 +115,11 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
         <span class="muted">{t("eventRaised", { n: event.eventId, time: timeText(event.raisedUtcUs) })}</span>
       </p>
       <p id={id}>
-        <Server text={event.text} /> <ErrorWords text={event.text} />
+        <Worded said={eventSaid(event)} text={event.text} /> <ErrorWords text={event.text} />
       </p>
       {isOpen(event) && event.advice && (
         <p>
-          {t("todo")}: <Server text={event.advice} />
+          {t("todo")}: {adviceSaid(event) ?? <Server text={event.advice} />}
         </p>
       )}
       <ul class="plain">
@@ -133,7 +129,7 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
             {unitText(a.unit)}
           </li>
         ))}
-        {event.certainty !== undefined && <li>{t("certainty", { n: percentText(event.certainty) })}</li>}
+        {event.certainty !== undefined && <li>{t("certainty", { n: certaintyText(event.certainty) })}</li>}
         {event.calibrationId !== undefined && (
           <li>
             <a href={`#/calibrations/${event.calibrationId}`}>{t("calibrationN", { n: event.calibrationId })}</a>
@@ -147,7 +143,7 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
         )}
         {event.clearedUtcUs !== undefined && (
           <li>
-            {t("eventCleared")}: {timeText(event.clearedUtcUs)} <Server text={event.clearedWhy} />
+            {t("eventCleared")}: {timeText(event.clearedUtcUs)} {clearedSaid(event) ?? <Server text={event.clearedWhy} />}
           </li>
         )}
       </ul>

@@ -3,7 +3,10 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { all, history, ingest, useLoad, type Problem } from "../api";
 import { countText, dayText, numberText } from "../format";
 import { Care, type MachineCare } from "../gen/axiscal/v1/history_service_pb";
-import { Empty, ErrorWords, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
+import { isNew, listEvents } from "../events";
+import { eventSaid, standingSaid, type Said } from "../german";
+import type { Event } from "../gen/axiscal/v1/events_service_pb";
+import { Empty, ErrorWords, ProblemBox, Show, Table, Title, Worded, fieldOf } from "../parts";
 import { language, t } from "../text";
 
 const kMostMachines = 5000;
@@ -18,13 +21,19 @@ const kSoonMs = 2000;
 export interface Fleet {
   rows: MachineCare[];
   isWhole: boolean;
+  events: Map<string, Event[]>; // of machines, newest first; where german.ts words them
 }
 
 export async function loadFleet(): Promise<Fleet> {
-  return await all(kMostMachines, async (pageToken) => {
+  const found = await all(kMostMachines, async (pageToken) => {
     const page = await history.listCare({ pageSize: 1000, pageToken });
     return { rows: page.machines, nextPageToken: page.nextPageToken };
   });
+  // With the rows, so that no text changes under the reader's eyes.
+  const asked = language.value === "de" && found.rows.some((row) => row.care === Care.NOW) ? (await listEvents("", true)).rows : [];
+  const events = new Map<string, Event[]>();
+  for (const event of asked) events.set(event.machineId, [...(events.get(event.machineId) ?? []), event]);
+  return { ...found, events };
 }
 export const everyMs = (fleet?: Fleet) => (fleet?.rows.some((row) => !row.isFollowed) ? kSoonMs : kEveryMs);
 
@@ -66,15 +75,26 @@ export const kCareMarks: Partial<Record<Care, readonly ["bad" | "wait" | "old" |
   [Care.GOOD]: ["good", "careGood"],
 };
 
+// Events have the sizes of what is found, and what is new.
+function saidOf(of: MachineCare, events: Event[]): Said | undefined {
+  const [finding] = of.findings;
+  if (finding === undefined) {
+    const newest = events.find((event) => isNew(event) && event.text === of.newestEvent);
+    return newest && eventSaid(newest);
+  }
+  const event = events.find((one) => one.text === finding.text);
+  return (event && eventSaid(event)) ?? standingSaid(finding);
+}
+
 // `isWall`: nothing can be chosen there.
-export function Why(props: { of: MachineCare; isWall?: boolean }) {
+export function Why(props: { of: MachineCare; events?: Event[]; isWall?: boolean }) {
   const { care, findings, newestEvent, inUse, waiting, isFollowed } = props.of;
   const n = countText(waiting);
   if (care === Care.NOW) {
     const text = findings[0]?.text ?? newestEvent;
     return (
       <>
-        <Server text={text} /> <ErrorWords text={text} />
+        <Worded said={saidOf(props.of, props.events ?? [])} text={text} isShort={props.isWall} /> <ErrorWords text={text} />
         {findings.length === 0 && <p>{t(props.isWall ? "whyNewsWall" : "whyNews")}</p>}
         {waiting > 0n && <p>{t(!inUse ? "whyFirst" : props.isWall ? "whyWaits" : "whyWaitsToo", { n })}</p>}
       </>
@@ -100,8 +120,8 @@ function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; prob
 }
 
 // Made anew only when something of its machine is new, not at each key in the filter. `isNews`: it needs something else now than by its place.
-function FleetRow(props: { of: MachineCare; isNews: boolean }) {
-  const { of, isNews } = props;
+function FleetRow(props: { of: MachineCare; events?: Event[]; isNews: boolean }) {
+  const { of, events: open, isNews } = props;
   return useMemo(() => {
     const { machineId, inUse, newEvents } = of;
     const events = countText(newEvents);
@@ -113,7 +133,7 @@ function FleetRow(props: { of: MachineCare; isNews: boolean }) {
         <td>
           <CareMark of={of} />
         </td>
-        <td class="text">{isNews ? t("whyMoved") : <Why of={of} />}</td>
+        <td class="text">{isNews ? t("whyMoved") : <Why of={of} events={open} />}</td>
         <td class="number" data-head={t("openEvents")}>
           <a href={`#/events/${encodeURIComponent(machineId)}`} aria-label={`${events}: ${t("eventsOf", { machine: machineId })}`}>
             {events}
@@ -137,7 +157,7 @@ function FleetRow(props: { of: MachineCare; isNews: boolean }) {
         </td>
       </tr>
     );
-  }, [of, isNews, language.value]);
+  }, [of, open, isNews, language.value]);
 }
 
 // Of rows that are new to the reader as many as fill a screen at once, the others in the next frame.
@@ -230,7 +250,7 @@ function FleetTable(props: { fleet: Fleet }) {
           numbers={[3, 5]}
         >
           {shown.map((row) => (
-            <FleetRow key={row.machineId} of={row} isNews={placed.has(row.machineId) && placed.get(row.machineId) !== row.care} />
+            <FleetRow key={row.machineId} of={row} events={fleet.events.get(row.machineId)} isNews={placed.has(row.machineId) && placed.get(row.machineId) !== row.care} />
           ))}
         </Table>
       )}
@@ -247,7 +267,7 @@ function FleetTable(props: { fleet: Fleet }) {
 }
 
 export function FleetPage() {
-  const fleet = useLoad("fleet", loadFleet, everyMs);
+  const fleet = useLoad(`fleet ${language.value}`, loadFleet, everyMs);
   return (
     <>
       <Title text={t("fleetTitle")} />

@@ -2,7 +2,8 @@
 import { calibrations, jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
 import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
-import { Empty, ErrorName, Figure, Server, Show, Table, Title } from "../parts";
+import { causeSaid, proposalSaid } from "../german";
+import { Empty, ErrorName, Figure, Server, Show, Table, Title, Worded } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
 import { t, tMaybe } from "../text";
 import { Pictures, Warnings } from "./calibration";
@@ -131,7 +132,7 @@ function Effects(props: { report: LoopReport }) {
 }
 
 // What was found and is not corrected, and what to do about it. `harm`: the probability that the machine would be worse for it.
-function Todo(props: { title: string; rows: { subject: string; evidence?: number; harm?: number; todo: string }[] }) {
+function Todo(props: { title: string; rows: { kind: string; subject: string; evidence?: number; harm?: number; todo: string }[] }) {
   const { rows } = props;
   if (rows.length === 0) return null;
   const hasHarm = rows.some((one) => one.harm !== undefined);
@@ -141,13 +142,13 @@ function Todo(props: { title: string; rows: { subject: string; evidence?: number
       <Table label={props.title} head={[t("subject"), t("evidence"), ...(hasHarm ? [t("harm")] : []), t("todo")]} numbers={hasHarm ? [1, 2] : [1]}>
         {rows.map((one) => (
           <tr>
-            <th scope="row" class="text" lang="en">
-              {one.subject}
+            <th scope="row" class="text">
+              <Worded said={causeSaid(one.kind)} text={one.subject} />
             </th>
             <td class="number">{one.evidence === undefined ? "–" : numberText(one.evidence)}</td>
             {hasHarm && <td class="number">{one.harm === undefined ? "–" : probabilityText(one.harm)}</td>}
-            <td class="text" lang="en">
-              {one.todo}
+            <td class="text">
+              <Server text={one.todo} />
             </td>
           </tr>
         ))}
@@ -164,11 +165,11 @@ function Rest(props: { report: LoopReport }) {
     <>
       <Todo
         title={t("causes")}
-        rows={(causes ?? []).map((one) => ({ subject: one.subject, evidence: one.evidence, todo: one.correction }))}
+        rows={(causes ?? []).map((one) => ({ kind: one.kind, subject: one.subject, evidence: one.evidence, todo: one.correction }))}
       />
       <Todo
         title={t("heldBack")}
-        rows={(held_back ?? []).map((one) => ({ subject: one.subject, evidence: one.evidence, harm: one.harm, todo: one.measure }))}
+        rows={(held_back ?? []).map((one) => ({ kind: one.kind, subject: one.subject, evidence: one.evidence, harm: one.harm, todo: one.measure }))}
       />
       {unexplained.length > 0 && (
         <section>
@@ -176,8 +177,8 @@ function Rest(props: { report: LoopReport }) {
           <Table label={t("unexplained")} head={[t("kind"), t("where"), t("rmsUm")]} numbers={[2]}>
             {unexplained.map((one) => (
               <tr>
-                <th scope="row" lang="en">
-                  {one.kind}
+                <th scope="row" class="text">
+                  {tMaybe(`unexplained_${one.kind}`) ?? one.kind}
                 </th>
                 <td>
                   {[one.session, one.variable, one.from !== undefined && one.to !== undefined ? `${numberText(one.from, 4)} … ${numberText(one.to, 4)} ${unitText(one.unit ?? "")}` : ""]
@@ -196,7 +197,7 @@ function Rest(props: { report: LoopReport }) {
           <ol class="findings">
             {next.map((one) => (
               <li>
-                {one.text ? <Server text={one.text} /> : t("none")}
+                {one.text ? <Worded said={proposalSaid(one)} text={one.text} /> : t("none")}
                 <br />
                 <small>
                   {t("tellsApart")} {(one.separates ?? [one.effect]).join(", ")}

@@ -5,7 +5,7 @@ import { all, calibrations, createJob, epoch, events, history, ingest, machines,
 import { known, open } from "../care";
 import { countText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type Mark } from "../gen/axiscal/v1/history_service_pb";
+import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type LimitForecast, type Mark } from "../gen/axiscal/v1/history_service_pb";
 import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
 import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
@@ -13,7 +13,8 @@ import { isNew, isOpen, isShelved, listEvents } from "../events";
 import { EventKind, type Event, type GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type EventMark, type TimePoint } from "../charts";
 import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
-import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf, usePlaced } from "../parts";
+import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
+import { eventSaid, findingSaid, limitSaid } from "../german";
 import { isoWords } from "../iso";
 import { may } from "../session";
 import { kindText } from "./events";
@@ -79,7 +80,7 @@ function Findings(props: { data: MachineData }) {
       <ul class="findings">
         {[...data.drift.findings].reverse().map((finding) => (
           <li class={finding.isOver ? "over" : now.includes(finding) ? "now" : ""}>
-            <Server text={finding.text} /> <ErrorWords text={finding.text} />{" "}
+            <Worded said={findingSaid(finding)} text={finding.text} /> <ErrorWords text={finding.text} />{" "}
             {finding.isOver && <span class="mark old">{t("over")}</span>}
             {now.includes(finding) && inUse && <span class="mark bad">{t("since")}</span>}
           </li>
@@ -107,7 +108,7 @@ function OpenEvents(props: { data: MachineData; machineId: string }) {
         <ul class="findings">
           {heard.map((event) => (
             <li class={isNew(event) ? "now" : ""}>
-              <strong>{kindText(event)}</strong>: <Server text={event.text} /> <ErrorWords text={event.text} />{" "}
+              <strong>{kindText(event)}</strong>: <Worded said={eventSaid(event)} text={event.text} /> <ErrorWords text={event.text} />{" "}
               {isNew(event) ? <span class="mark bad">{t("eventNew")}</span> : <span class="mark wait">{t("eventSeen")}</span>}
             </li>
           ))}
@@ -123,7 +124,7 @@ function OpenEvents(props: { data: MachineData; machineId: string }) {
 function bandsOf(findings: DriftFinding[], symbol: string): Band[] {
   return findings
     .filter((f) => f.kind === DriftFindingKind.STEP && f.afterUtcUs && f.byUtcUs && f.amounts.some((a) => a.symbol === symbol))
-    .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: f.text }));
+    .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: findingSaid(f)?.text ?? f.text }));
 }
 
 // Events about an error, each at the calibration that shows it; several of one time are one. Steps are bands already.
@@ -133,7 +134,7 @@ function eventsOf(data: MachineData, symbol: string, machineId: string): EventMa
   for (const event of data.events) {
     if (event.kind === EventKind.STEP || !(event.subject === symbol || event.amounts.some((one) => one.symbol === symbol))) continue;
     const us = (event.calibrationId === undefined ? undefined : measured.get(event.calibrationId)) ?? event.raisedUtcUs;
-    found.set(us, [...(found.get(us) ?? []), `${kindText(event)}: ${event.text}${isOpen(event) ? "" : ` (${t("eventCleared")})`}`]);
+    found.set(us, [...(found.get(us) ?? []), `${kindText(event)}: ${eventSaid(event)?.text ?? event.text}${isOpen(event) ? "" : ` (${t("eventCleared")})`}`]);
   }
   const href = `#/events/${encodeURIComponent(machineId)}`;
   return [...found].map(([us, texts]) => ({ us, label: `${dayText(us)}, ${texts.join("; ")}`, href }));
@@ -625,7 +626,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
 function Limits(props: { machineId: string; data: MachineData; onLimits: (limits: Map<string, [number, number]>) => void }) {
   const symbols = props.data.series.filter((s) => s.points.length > 0);
   const [symbol, setSymbol] = useState(symbols[0]?.symbol ?? "");
-  const [answer, setAnswer] = useState<{ text?: string; problem?: Problem }>({});
+  const [answer, setAnswer] = useState<{ limit?: LimitForecast; problem?: Problem }>({});
   if (symbols.length === 0) return null;
   const ask = async (event: SubmitEvent) => {
     event.preventDefault();
@@ -633,7 +634,7 @@ function Limits(props: { machineId: string; data: MachineData; onLimits: (limits
     const low = Number(form.get("low")), high = Number(form.get("high"));
     try {
       const found = await history.findDrift({ machineId: props.machineId, countsCandidates: true, limits: [{ symbol, low, high }] });
-      setAnswer({ text: found.limits[0]?.text });
+      setAnswer({ limit: found.limits[0] });
       props.onLimits(new Map([[symbol, [low, high]]]));
     } catch (error) {
       setAnswer({ problem: problemOf(error) });
@@ -663,9 +664,9 @@ function Limits(props: { machineId: string; data: MachineData; onLimits: (limits
         <button type="submit">{t("foretell")}</button>
       </form>
       <div role="status">
-        {answer.text && (
+        {answer.limit && (
           <p class="box">
-            <Server text={answer.text} />
+            <Worded said={limitSaid(answer.limit)} text={answer.limit.text} />
           </p>
         )}
       </div>
@@ -865,6 +866,12 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
   );
 }
 
+// What tells a good one from another: "residual 1.5 → 0.29 µm".
+function residualText({ statistics: s }: Calibration): string {
+  if (s?.rmsBeforeUm === undefined || s.rmsAfterUm === undefined) return "";
+  return t("residualOf", { before: numberText(s.rmsBeforeUm), after: numberText(s.rmsAfterUm) });
+}
+
 export function MachinePage(props: { machineId: string }) {
   const machine = useLoad(`machine ${props.machineId}`, () => loadMachine(props.machineId), 60_000);
   const [limits, setLimits] = useState(new Map<string, [number, number]>());
@@ -881,7 +888,7 @@ export function MachinePage(props: { machineId: string }) {
               {inUse && (
                 <p class="lead">
                   {t("inUse")}: <a href={`#/calibrations/${inUse.calibrationId}`}>{t("calibrationN", { n: inUse.calibrationId })}</a>,{" "}
-                  {inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) })}
+                  {[inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) }), residualText(inUse)].filter(Boolean).join(", ")}
                 </p>
               )}
               {waiting.length > 0 && (
@@ -891,9 +898,16 @@ export function MachinePage(props: { machineId: string }) {
                     <>
                       {i > 0 && ", "}
                       <a href={`#/calibrations/${one.calibrationId}`}>{t("calibrationN", { n: one.calibrationId })}</a>
-                      {one.provenance && ` (${t("measuredOn", { day: dayText(one.provenance.measuredUtcUs) })})`}
+                      {` (${[
+                        i === 0 && waiting.length > 1 && t("theNewest"),
+                        one.provenance && t("measuredOn", { day: dayText(one.provenance.measuredUtcUs) }),
+                        residualText(one),
+                      ]
+                        .filter(Boolean)
+                        .join(", ")})`}
                     </>
                   ))}
+                  . {t("howToDecide")}
                 </p>
               )}
               <section>

@@ -4,7 +4,7 @@ import { useLoad } from "../api";
 import { Care } from "../gen/axiscal/v1/history_service_pb";
 import { Empty, Show, Title } from "../parts";
 import { countText, nowText } from "../format";
-import { t } from "../text";
+import { language, t } from "../text";
 import { byNeed, CareMark, everyMs, kCareMarks, loadFleet, Why, type Fleet } from "./fleet";
 
 const kTurnMs = 15_000;
@@ -41,7 +41,7 @@ function Board(props: { fleet: Fleet }) {
             <li key={row.machineId}>
               <strong>{row.machineId}</strong> <CareMark of={row} />{" "}
               <span>
-                <Why of={row} isWall />
+                <Why of={row} events={props.fleet.events.get(row.machineId)} isWall />
               </span>
             </li>
           ))}
@@ -56,7 +56,7 @@ function Board(props: { fleet: Fleet }) {
 }
 
 export function WallPage() {
-  const fleet = useLoad("wall", async () => ({ fleet: await loadFleet(), at: nowText() }), (found) => everyMs(found?.fleet));
+  const fleet = useLoad(`wall ${language.value}`, async () => ({ fleet: await loadFleet(), at: nowText() }), (found) => everyMs(found?.fleet));
   return (
     <div class="wall">
       <Title text={t("fleetTitle")}>{fleet.data && <span class="muted">{t("wallAt", { time: fleet.data.at })}</span>}</Title>
