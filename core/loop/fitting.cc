@@ -1,10 +1,12 @@
 #include "core/loop/fitting.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/identify/noise.h"
 #include "core/identify/reduction.h"
+#include "core/machine/error_covariance.h"
 
 namespace axiscal::loop {
 
@@ -48,15 +50,27 @@ double SquaresOf(const Fit& fit) {
 }
 
 double EvidenceOf(const Fit& fit, int term) {
-  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
-  double squares = 0.0;
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].term != term || parameters[i].is_nonlinear) continue;
-    const identify::Estimate& estimate = fit.result.estimates[i];
-    if (estimate.identifiable && estimate.sigma > 0.0)
-      squares += estimate.value * estimate.value / (estimate.sigma * estimate.sigma);
+  const machine::ErrorModel& model = fit.result.model;
+  const machine::WrittenCovariance& known = fit.result.covariance;
+  std::vector<Eigen::Index> at;  // numbers that the readings tell
+  std::vector<double> in_sigmas;
+  for (int basis = 0; basis < shapes::BasisCount(model.terms[term].shape); ++basis) {
+    const machine::NamedNumber number = machine::NameNumber(*fit.problem.machine, model, term, basis, false);
+    const auto found = std::find(known.of.begin(), known.of.end(), number.name);
+    if (found == known.of.end()) continue;
+    const auto which = found - known.of.begin();
+    if (!(known.sigma[which] > 0.0)) continue;
+    at.push_back(which);
+    in_sigmas.push_back(model.terms[term].amplitude[basis] / number.factor / known.sigma[which]);
   }
-  return squares;
+  const auto count = static_cast<Eigen::Index>(at.size());
+  const Eigen::Map<const Eigen::VectorXd> value(in_sigmas.data(), count);
+  Eigen::MatrixXd correlation(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      correlation(i, j) = i == j ? 1.0 : known.correlation(std::max(at[i], at[j]), std::min(at[i], at[j]));
+  const Eigen::LDLT<Eigen::MatrixXd> solver(correlation);
+  return solver.isPositive() ? value.dot(solver.solve(value)) : value.squaredNorm();
 }
 
 }  // namespace axiscal::loop
