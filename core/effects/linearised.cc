@@ -156,8 +156,10 @@ std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised) {
 }
 
 bool Linearised::Tells(const shapes::Shape& shape) const {
+  if (step.empty()) return true;
+  if (std::holds_alternative<shapes::Acceleration>(shape)) return false;  // where an axis sets off it lasts one reading
   const auto* harmonic = std::get_if<shapes::Harmonic>(&shape);
-  if (step.empty() || harmonic == nullptr) return true;
+  if (harmonic == nullptr) return true;
   constexpr double kRowsPerPeriod = 6.0;  // sums over a sixth of a period keep 95 % of an amplitude
   return harmonic->frequency * step[harmonic->axis] * kRowsPerPeriod < 2.0 * std::numbers::pi;
 }

@@ -29,7 +29,8 @@ struct Linearised {
 
   int count() const { return static_cast<int>(run.size()); }
   int along_approach() const { return static_cast<int>(sensitivity.cols()) - 1; }
-  // Whether rows stand closely enough to tell a shape: finer harmonics sum to nothing within them.
+  // Whether rows stand closely enough to tell a shape: of finer harmonics and of short accelerations their sums keep
+  // nothing.
   bool Tells(const shapes::Shape& shape) const;
   shapes::State StateAt(int row) const { return problem->runs[run[row]].StateOf(reading[row]); }
 };

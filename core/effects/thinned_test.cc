@@ -100,7 +100,7 @@ TEST(Thinned, NeighboursThatAreSparedNeitherTurnNorReachFar) {
   }
 }
 
-TEST(Thinned, FineHarmonicsAreNotTold) {
+TEST(Thinned, FineHarmonicsAndAccelerationsAreNotTold) {
   const identify::Fit fit = SweptFit(0.1, identify::testing::FivePatterns(), {0.0, 0.0});
   const std::optional<Linearised> rows = Thinned(RowsOf(fit), {});
   ASSERT_TRUE(rows);
@@ -108,6 +108,8 @@ TEST(Thinned, FineHarmonicsAreNotTold) {
   EXPECT_TRUE(rows->Tells(shapes::Harmonic{c, 20.0}));
   EXPECT_FALSE(rows->Tells(shapes::Harmonic{c, 390.0}));
   EXPECT_TRUE(rows->Tells(shapes::Backlash{c}));
+  EXPECT_FALSE(rows->Tells(shapes::Acceleration{c}));
+  EXPECT_TRUE(RowsOf(fit).Tells(shapes::Acceleration{c}));
   EXPECT_TRUE(RowsOf(fit).Tells(shapes::Harmonic{c, 390.0}));
 }
 

@@ -236,13 +236,13 @@ TEST(Own, TimeSinceTheStartIsATermOfErrorsJson) {
 TEST(Own, TemperatureTimesPosition) {
   Effect product = Of(EffectKind::kHeat, kX, Component::kX, 5e-3);
   product.channel = "temp_C";
-  product.tau_s = 1e-3;  // at once
+  product.tau_s = 1e-3;  // at once; per metre
   History moving = Moving({0, 10, 20}, {100, 200, -300});
   moving.celsius["temp_C"] = {21, 22, 24};
   const DrawnEffect drawn = Draw(product, Form::kOwn, moving);
   const std::vector<double> errors = drawn.Errors(moving);
-  EXPECT_NEAR(errors[1], drawn.factor * 2.0 * 200.0, 1e-4 * std::abs(errors[1]));
-  EXPECT_NEAR(errors[2], drawn.factor * 4.0 * -300.0, 1e-4 * std::abs(errors[2]));
+  EXPECT_NEAR(errors[1], drawn.factor * 2.0 * 0.2, 1e-4 * std::abs(errors[1]));
+  EXPECT_NEAR(errors[2], drawn.factor * 4.0 * -0.3, 1e-4 * std::abs(errors[2]));
 }
 
 TEST(Own, WindUpTurnsOverAfterAReversal) {

@@ -109,9 +109,9 @@ TEST(Scenario, EverythingAtOnceGivesTheSameBytesForTheSameSeed) {
     EXPECT_EQ(bytes, Bytes(Simulated(scenario, form), scenario, form));
     EXPECT_NE(bytes, Bytes(Simulated(scenario, form, 4), scenario, form));
     EXPECT_GT(simulated.truth.bad.size(), 0u);
-    // Terms of errors.json carry curves, crossed errors, ripples, a start and a servo in the own form, and nothing in
+    // Terms of errors.json carry curves, crossed errors, ripples, a start and servos in the own form, and nothing in
     // the other.
-    EXPECT_THAT(simulated.truth.effects, SizeIs(form == Form::kOwn ? 9 : 16));
+    EXPECT_THAT(simulated.truth.effects, SizeIs(form == Form::kOwn ? 8 : 16));
     EXPECT_FALSE(simulated.truth.is_all_in_errors());
   }
 }
