@@ -4,7 +4,7 @@
 // last change of sense, or from the first motion. Where it is stated from which side an axis came (an overrun that no
 // position shows), that is its sense, and it turned just now if its last way went the other way. Speed is that at the
 // position, not that of the way to it: the slope of the parabola through the positions before, here and next (so nearly
-// none where an axis turns round); at the first and the last position that of the one way there is. Acceleration is that
+// none where an axis turns round); at the first and last position that of the one way there is. Acceleration is that
 // of the same parabola, none at the first and the last position.
 #ifndef AXISCAL_CORE_INSTRUMENTS_MOTION_H_
 #define AXISCAL_CORE_INSTRUMENTS_MOTION_H_
