@@ -204,11 +204,11 @@ TEST(Rates, WhatMachinesHaveIsNamedByItsForm) {
   }
 }
 
-// An instrument with lobes that moves was a drift of the tool (0.5 -> 1.2 um), a crossed error three of other kinds
-// (2.6
-// -> 2.9 um): of neither did the report promise a gain.
+// An instrument with a gain and a scale was six errors of the machine (0.42 -> 0.74 um), a crossed error three of other
+// kinds (2.6 -> 2.9 um), curves a harmonic and a bow (6.0 -> 7.1 um): of none did the report promise a gain.
 TEST(Rates, WhatPromisesNoGainIsNotCorrected) {
-  for (const auto& [kind, seed] : {std::pair(Physics::kInstrument, 611009), std::pair(Physics::kCrossed, 611003)}) {
+  for (const auto& [kind, seed] : {std::pair(Physics::kInstrument, 611007), std::pair(Physics::kCrossed, 611003),
+                                   std::pair(Physics::kCurves, 611009)}) {
     const PhysicsScore score = JudgePhysics(DrawPhysics(kind, seed), false);
     EXPECT_TRUE(score.WouldBeHarmed()) << score.text;
     EXPECT_FALSE(score.IsHarmed()) << score.text;
