@@ -8,8 +8,6 @@ namespace axiscal::compensate {
 
 using machine::ErrorTerm;
 
-constexpr double kMostKelvin = 300.0;  // between a machine's temperature and that of reference
-
 double GapOf(const shapes::Tabulated& map, int axis) {
   const shapes::Node& node = axis == map.second_axis ? map.second : map.node;
   double gap = std::min(node.before, node.after);
@@ -128,16 +126,6 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     return std::abs(to[axis] - from[axis]);
   };
   double largest = 0;
-  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
-    const double kelvin = std::max(std::abs(lag->from_celsius - shapes::kReferenceTemperatureCelsius),
-                                   std::abs(lag->to_celsius - shapes::kReferenceTemperatureCelsius));
-    amplitude *= std::min(kelvin, kMostKelvin);
-  }
-  // At a stated time or temperature: linear in the position, if in anything.
-  if (const auto* times = shapes::TimesOf(term.shape); times != nullptr && times->axis >= 0) {
-    const double travel = along(times->axis, &largest) / times->reference;
-    return {amplitude * largest / times->reference, amplitude * travel, 0};
-  }
   if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
     const double travel = along(linear->axis, &largest) / linear->reference;
     return {amplitude * largest / linear->reference, amplitude * travel, 0};
@@ -167,7 +155,7 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     const double size = (map->is_tied ? 2.0 : 1.0) * amplitude, change = std::min(size * travel, 2.0 * size);
     return {size, change, 8.0 * change};
   }
-  // The other carried terms do not change along a move: backlash, and terms of a stated time or temperature.
+  // Backlash does not change along a move.
   return {amplitude, 0, 0};
 }
 

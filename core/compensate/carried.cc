@@ -1,6 +1,9 @@
 #include "core/compensate/carried.h"
 
 #include <cmath>
+#include <utility>
+
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::compensate {
 namespace {
@@ -67,6 +70,23 @@ absl::Status SelectCarried(const Machine& machine, const machine::ErrorModel& er
     }
   }
   return absl::OkStatus();
+}
+
+ErrorTerm AsStated(const ErrorTerm& term, const Options& options) {
+  if (!shapes::DependsOnTime(term.shape) && !shapes::ChannelOf(term.shape)) return term;
+  shapes::Shape shape = term.shape;
+  shapes::Times times;
+  if (shapes::Times* its = shapes::TimesOf(shape)) times = std::exchange(*its, {});
+  shapes::State state;
+  if (options.time_s) state.time_s = *options.time_s;
+  if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
+  double basis[shapes::kMaxBasisCount];
+  shapes::Basis(shape, state, basis);
+  double value = 0.0;
+  for (int i = 0; i < shapes::BasisCount(shape); ++i) value += term.amplitude[i] * basis[i];
+  ErrorTerm stated{term.joint, term.component, shapes::Constant{}, {value}};
+  if (times.axis >= 0) stated.shape = shapes::Linear{times.axis, times.reference};
+  return stated;
 }
 
 }  // namespace axiscal::compensate

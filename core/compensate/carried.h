@@ -15,6 +15,10 @@ namespace axiscal::compensate {
 absl::Status SelectCarried(const machine::Machine& machine, const machine::ErrorModel& errors, const Options& options,
                            machine::ErrorModel* carried, std::vector<std::string>* not_carried);
 
+// How a carried term acts while a program runs, whose time and temperature are stated: what depends on them is
+// constant, or linear in the position that multiplies it (shapes::Times).
+machine::ErrorTerm AsStated(const machine::ErrorTerm& term, const Options& options);
+
 }  // namespace axiscal::compensate
 
 #endif  // AXISCAL_CORE_COMPENSATE_CARRIED_H_

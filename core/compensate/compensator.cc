@@ -30,7 +30,6 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   impl->options = options;
   RETURN_IF_ERROR(SelectCarried(machine, errors, options, &impl->carried, &impl->not_carried));
   for (const ErrorTerm& term : impl->carried.terms) {
-    impl->is_constant &= std::holds_alternative<shapes::Constant>(term.shape);
     if (shapes::DependsOnSense(term.shape)) impl->uses_sense[*shapes::VariableAxis(term.shape)] = true;
   }
   for (int i = 0; i < machine.axis_count(); ++i) {

@@ -20,7 +20,7 @@ struct Compensator::Impl {
   std::vector<std::string> not_carried;
   std::vector<int> linear_axes;
   std::array<bool, machine::kMaxAxes> uses_sense{};
-  bool is_constant = true;  // all carried terms are
+  bool is_constant = true;  // all carried terms are, at the stated time and temperature
   FoldedChain nominal, actual;
   std::optional<ErrorPolynomial> polynomial;  // of constant errors, where the machine has one
   // For DepartureBound: sums of the magnitudes of the constant terms, and the terms that are not constant.

@@ -355,7 +355,9 @@ TEST(Compensator, TheDepartureBoundHolds) {
         if (round % 9 == 6) term.shape = shapes::Curve{c, {.is_turn = true}};
         if (round % 9 == 7) term.shape = shapes::Crossed{x, c, {-150.0, 200.0}, {.is_turn = true}};
         if (round % 9 == 8) term.shape = shapes::ThermalLag{"temp_C", 600.0, x, 1000.0};
-        if (round % 18 == 10) term.shape = shapes::DriftExp{600.0, TimesPositionOf(machine, x)};
+        if (round % 36 == 10) term.shape = shapes::DriftExp{600.0, TimesPositionOf(machine, x)};
+        if (round % 36 == 19) term.shape = shapes::Drift{};
+        if (round % 36 == 28) term.shape = shapes::Thermal{};
         if (round % 18 == 14) term.shape = shapes::BacklashCurve{{x, {-150.0, 200.0}}};
         for (int i = 0; shapes::IsFree(term.shape) && i < shapes::BasisCount(term.shape); ++i)
           term.amplitude[i] =
@@ -364,7 +366,7 @@ TEST(Compensator, TheDepartureBoundHolds) {
       Options options;
       options.tool_tip_mm = {0, 0, -200};
       options.temperature_celsius = 26.0;
-      options.time_s = 900.0;
+      options.time_s = round % 2 == 0 ? -1'500.0 : 144'000.0;
       const Compensator compensator = MustCreate(machine, errors, options);
       Pose from, to, middle;
       for (Pose* const pose : {&from, &to, &middle}) pose->sense[x] = -1.0;

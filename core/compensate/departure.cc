@@ -6,6 +6,7 @@
 
 #include "core/base/units.h"
 #include "core/compensate/bend.h"
+#include "core/compensate/carried.h"
 #include "core/compensate/compensator_impl.h"
 
 namespace axiscal::compensate {
@@ -25,11 +26,13 @@ void Compensator::Impl::MeasureErrors() {
     fixed_lever_mm += 2.0 * axis.point_mm.norm();
     smooth_travel[i] = axis.kind == machine::AxisKind::kRotary ? kSmoothTurnRad : kSmoothTravelMm;
   }
-  for (const ErrorTerm& term : carried.terms) {
+  for (const ErrorTerm& one : carried.terms) {
+    const ErrorTerm term = AsStated(one, options);
     if (std::holds_alternative<shapes::Constant>(term.shape)) {
       (machine::IsAngle(term.component) ? angle_errors_rad : translation_errors_mm) += std::abs(term.amplitude[0]);
       constant[term.joint][static_cast<int>(term.component)] += term.amplitude[0];
     } else {
+      is_constant = false;
       varying.push_back(term);
       if (std::find(varying_joints.begin(), varying_joints.end(), term.joint) == varying_joints.end())
         varying_joints.push_back(term.joint);
@@ -88,7 +91,7 @@ double Compensator::Impl::ErrorSlope(const Pose& pose) const {
       }
       continue;
     }
-    if (shapes::IsFree(term.shape) || shapes::TimesOf(term.shape) != nullptr) {
+    if (shapes::IsFree(term.shape)) {
       constexpr double kNearMm = 1.0;
       AxisValues near = pose.position;
       for (const std::optional<int>& of : {shapes::VariableAxis(term.shape), shapes::SecondAxis(term.shape)})
