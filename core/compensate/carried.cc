@@ -59,11 +59,19 @@ absl::Status ValidateTerm(const Machine& machine, const ErrorTerm& term) {
 
 absl::Status SelectCarried(const Machine& machine, const machine::ErrorModel& errors, const Options& options,
                            machine::ErrorModel* carried, std::vector<std::string>* not_carried) {
+  for (const auto& [name, stated] :
+       {std::pair("time_s", options.time_s), std::pair("temperature_celsius", options.temperature_celsius)}) {
+    if (stated && !std::isfinite(*stated))
+      return absl::InvalidArgumentError(absl::StrCat(name, " = ", *stated, ", must be finite"));
+  }
   for (const ErrorTerm& term : errors.terms) {
     RETURN_IF_ERROR(ValidateTerm(machine, term));
     if (IsZero(term)) continue;
     const std::string reason = WhyNotCarried(term, options);
     if (reason.empty()) {
+      if (const double value = AsStated(term, options).amplitude[0]; !std::isfinite(value))
+        return absl::InvalidArgumentError(absl::StrCat(machine::NameOf(machine, term), " is ", value, " at time_s = ",
+                                                       options.time_s.value_or(0.0), ", must be finite"));
       carried->terms.push_back(term);
     } else {
       not_carried->push_back(machine::NameOf(machine, term) + ": " + reason);

@@ -10,8 +10,8 @@
 namespace axiscal::compensate {
 
 // Appends the terms that differ from zero to `carried`, or to `not_carried` with the reason: "EXX:drift: no time is
-// stated". INVALID_ARGUMENT for a term of a joint or axis that the machine lacks, or with an amplitude that is not
-// finite.
+// stated". INVALID_ARGUMENT for a term of a joint or axis that the machine lacks, or that is not finite (at
+// the stated time), and for a time or temperature that is not.
 absl::Status SelectCarried(const machine::Machine& machine, const machine::ErrorModel& errors, const Options& options,
                            machine::ErrorModel* carried, std::vector<std::string>* not_carried);
 

@@ -392,6 +392,24 @@ TEST(Compensator, TheDepartureBoundHolds) {
   }
 }
 
+TEST(Compensator, ATimeAtWhichNoErrorHasANumberIsNamed) {
+  const Machine machine = machine::testing::MultiTasking();
+  ErrorModel errors;
+  errors.terms = {Term(machine, "EX0T", 0.01)};
+  errors.terms[0].shape = shapes::DriftExp{600.0};
+  Options options;
+  options.time_s = -1e9;
+  EXPECT_THAT(std::string(Compensator::Create(machine, errors, options).status().message()),
+              HasSubstr("EXT:drift-exp is -inf at time_s = -1e+09, must be finite"));
+  options.time_s = std::nan("");
+  EXPECT_THAT(std::string(Compensator::Create(machine, {}, options).status().message()),
+              HasSubstr("time_s = nan, must be finite"));
+  options = {};
+  options.temperature_celsius = INFINITY;
+  EXPECT_THAT(std::string(Compensator::Create(machine, {}, options).status().message()),
+              HasSubstr("temperature_celsius = inf, must be finite"));
+}
+
 TEST(Compensator, BadInputIsNamed) {
   const Machine machine = machine::testing::MultiTasking();
   Options options;
