@@ -7,8 +7,14 @@
 namespace axiscal::instruments {
 namespace {
 
+// Moments closer than that are one moment: no clock of an instrument or a control tells them apart, and speeds between
+// them would be without bound.
+constexpr double kOneMomentS = 1e-6;
+
 // 0 where nothing moves or no time has passed.
-double SpeedOf(double change, double elapsed_s) { return change != 0.0 && elapsed_s > 0.0 ? change / elapsed_s : 0.0; }
+double SpeedOf(double change, double elapsed_s) {
+  return change != 0.0 && elapsed_s > kOneMomentS ? change / elapsed_s : 0.0;
+}
 
 }  // namespace
 
@@ -39,7 +45,7 @@ void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* sta
     state.position = now.positions[axis];
     state.speed = is_first_ ? starts_[axis].speed : SpeedOf(change, elapsed_s);
     state.acceleration = 0.0;
-    if (!is_first_ && elapsed_s > 0.0 && to_next_s > 0.0) {
+    if (!is_first_ && elapsed_s > kOneMomentS && to_next_s > kOneMomentS) {
       const double next_speed = (after.positions[axis] - now.positions[axis]) / to_next_s;
       state.acceleration = 2.0 * (next_speed - state.speed) / (elapsed_s + to_next_s);
       state.speed = (state.speed * to_next_s + next_speed * elapsed_s) / (elapsed_s + to_next_s);

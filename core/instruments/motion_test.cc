@@ -76,5 +76,20 @@ TEST(Motion, SpeedAndAccelerationAreThoseAtThePositionWhereverTheReadingsStand) 
   EXPECT_NEAR(run.axis_states[5].speed, (11.25 - 8.0) / 0.5, 1e-12);  // the last: of the way to it
 }
 
+TEST(Motion, MomentsThatNoClockTellsApartAreOne) {
+  MeasuringRun run;
+  run.axis_count = 1;
+  run.has_time = true;
+  run.time_s = {0.0, 1e-310, 2e-310, 1.0, 2.0};
+  run.positions = {0.0, 1.0, 0.0, 5.0, 6.0};
+  run.measured_mm = Eigen::MatrixXd::Zero(1, 5);
+  DeriveMotion(&run);
+  const double speeds[] = {0.0, 0.0, 0.0, 3.0, 1.0};
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(run.axis_states[k].speed, speeds[k]) << k;
+    EXPECT_EQ(run.axis_states[k].acceleration, k == 3 ? -4.0 : 0.0) << k;
+  }
+}
+
 }  // namespace
 }  // namespace axiscal::instruments
