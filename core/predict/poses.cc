@@ -130,6 +130,9 @@ absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std:
       state.temperatures = whole.history.get();
       state.moment = moment++;
       const ToolPointError error = tool.ErrorAt(state);
+      if (!error.allFinite())
+        return absl::InvalidArgumentError(absl::StrCat(poses, ": pose ", sums.made.rows + 1, " (t_s = ", state.time_s,
+                                                       "): the tool point's error is without bound, must be finite"));
       sums.Add(error);
       AppendErrors(error, &text);
       text.push_back(',');

@@ -20,8 +20,8 @@ struct PredictedPoses {
 // remembers them. `output` gets a line of column names,
 // then a line per row: ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad, then ex_sigma_um ... ec_sigma_urad, empty without a
 // covariance. Frames and signs: tool_point.h. `progress`: share of the work, 0 to 1.
-// Errors of PoseReader and AtomicFile, INVALID_ARGUMENT where an error depends on a column that is not there; `output`
-// is then what it was.
+// Errors of PoseReader and AtomicFile, INVALID_ARGUMENT where an error depends on a column that is not there or is not
+// finite at a row; `output` is then what it was.
 absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std::string& output,
                                             const machine::Machine& machine, const machine::KnownErrors& errors,
                                             const Eigen::Vector3d& tip_mm,

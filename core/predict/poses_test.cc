@@ -135,6 +135,13 @@ TEST_F(Poses, ColumnsStandInAnyOrderAndStatesThatNoErrorNeedsMayBeMissing) {
                                               "0.000000,2.000000,0.000000,0.000000,0.000000,0.000000"));
 }
 
+TEST_F(Poses, ARowAtWhichAnErrorIsWithoutBoundIsRefused) {
+  const auto made = Predict("t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg\n-1e9,0,0,0,0,0\n0,0,0,0,0,0\n",
+                            R"({"terms": [{"symbol": "EZT", "shape": "drift-exp", "tau_s": 600, "amplitude": 9}]})");
+  EXPECT_THAT(std::string(made.status().message()), HasSubstr("poses.csv: pose 1 (t_s = -1e+09)"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.csv"));
+}
+
 TEST_F(Poses, BadInputIsRefusedWithItsPlaceAndWritesNothing) {
   const std::string names = "t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg,temp_C\n", row = "0,1,2,3,4,5,20\n";
   const auto refusal = [&](const std::string& text, const std::string& errors = kErrors) {
