@@ -239,6 +239,7 @@ std::string HeldBackText(const reports::Loop& report) {
   for (const reports::HeldBack& held : report.held_back) {
     absl::StrAppend(&text, "  ", held.subject,
                     held.kind == reports::HeldBackKind::kUndecided ? ": these sessions do not tell what it is"
+                    : held.kind == reports::HeldBackKind::kNoGain  ? ": no gain over the box is certain"
                                                                    : ": these sessions hardly tell how large it is",
                     absl::StrFormat(" (probability %.2g)\n      %s\n", held.harm, held.measure));
   }

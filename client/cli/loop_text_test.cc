@@ -63,14 +63,17 @@ TEST(LoopText, SaysWhatIsNotCorrected) {
   reports::Loop report = ReportOf(Effect("EB0B", "constant", "urad"));
   EXPECT_THAT(LoopText(report), Not(HasSubstr("not corrected")));
   report.held_back = {{reports::HeldBackKind::kUndecided, "EAC:harmonic(1)", 40.0, 0.31, "measure an R-test at 150 mm"},
-                      {reports::HeldBackKind::kUncertain, "EXX:linear", 20.0, 0.08, "measure more of X"}};
+                      {reports::HeldBackKind::kUncertain, "EXX:linear", 20.0, 0.08, "measure more of X"},
+                      {reports::HeldBackKind::kNoGain, "EYX:curve", 30.0, 0.01, "measure all of X"}};
   EXPECT_THAT(LoopText(report),
               HasSubstr("found and not corrected, as the machine could be worse for it over the measured box, or "
                         "no gain is certain:\n"
                         "  EAC:harmonic(1): these sessions do not tell what it is (probability 0.31)\n"
                         "      measure an R-test at 150 mm\n"
                         "  EXX:linear: these sessions hardly tell how large it is (probability 0.08)\n"
-                        "      measure more of X\n"));
+                        "      measure more of X\n"
+                        "  EYX:curve: no gain over the box is certain (probability 0.01)\n"
+                        "      measure all of X\n"));
 }
 
 TEST(LoopText, SaysThatNominalDataAreWrong) {

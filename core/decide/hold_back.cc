@@ -50,9 +50,13 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     odds = over(constants.result.model);
     harm = odds->ProbabilityOf(worse, fit.result.model);
   }
-  const auto hold_back = [&](std::vector<size_t>::iterator effect) {
-    const machine::ErrorTerm& term = fit.result.model.terms[extension.TermOf(*effect)];
-    if (machine::HasName(term)) report->held_back.push_back({term, extension.effects[*effect].score, harm});
+  const auto term_of = [&](size_t effect) -> const machine::ErrorTerm& {
+    return fit.result.model.terms[extension.TermOf(effect)];
+  };
+  const auto hold_back = [&](std::vector<size_t>::iterator effect, bool is_for_want_of_gain) {
+    const machine::ErrorTerm& term = term_of(*effect);
+    if (machine::HasName(term))
+      report->held_back.push_back({term, extension.effects[*effect].score, harm, is_for_want_of_gain});
     terms.push_back(extension.TermOf(*effect));
     out.push_back(*effect);
     kept.erase(effect);
@@ -74,7 +78,7 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
       for (const size_t effect : kept) left.push_back(without(effect));
       const auto least = std::min_element(left.begin(), left.end());
       const double harm_without = *least;
-      hold_back(kept.begin() + (least - left.begin()));
+      hold_back(kept.begin() + (least - left.begin()), false);
       harm = harm_without;
     } while (harm > policy.harm_probability && !kept.empty());
     RETURN_IF_ERROR(fit_again());
@@ -87,9 +91,14 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   };
   take_figures();
   // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the
-  // interval holds.
+  // interval holds. What is corrected nowhere stays, as it cleans the constants of what it takes up: structure without
+  // a name, and curves of the time of the readings.
+  std::erase_if(kept, [&](size_t effect) {
+    const machine::ErrorTerm& term = term_of(effect);
+    return !machine::HasName(term) || std::holds_alternative<shapes::TimeCurve>(term.shape);
+  });
   if (!report->volumetric->is_gain_held && !kept.empty()) {
-    while (!kept.empty()) hold_back(kept.begin());
+    while (!kept.empty()) hold_back(kept.begin(), true);
     RETURN_IF_ERROR(fit_again());
     take_figures();
   }

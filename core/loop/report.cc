@@ -166,12 +166,13 @@ reports::Fitted FittedOf(const Report& found) {
   return fitted;
 }
 
-// Undecided where the readings do not tell it from others that were fitted in its place.
+// Undecided where the readings do not tell it from others that were fitted in its place, whatever it was held back for.
 reports::HeldBack HeldBackOf(const machine::Machine& machine, const Report& found, const HeldBack& held) {
   reports::HeldBack out{.subject = machine::NameOf(machine, held.term), .evidence = held.evidence, .harm = held.harm};
   const bool is_undecided = std::any_of(found.choices.begin(), found.choices.end(),
                                         [&](const predict::OpenChoice& choice) { return choice.name == out.subject; });
   if (is_undecided) out.kind = reports::HeldBackKind::kUndecided;
+  if (held.is_for_want_of_gain && !is_undecided) out.kind = reports::HeldBackKind::kNoGain;
   std::vector<std::string> tests;
   for (const Proposal& proposal : found.next_measurement)
     if (!proposal.test.empty() && IsSameEffect(proposal.effect, held.term)) tests.push_back(proposal.text);

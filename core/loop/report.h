@@ -47,11 +47,12 @@ struct Cause {
 };
 
 // An effect that was found and is not corrected: the machine could be worse for it where the sessions do not tell what
-// it does.
+// it does, or no gain is held.
 struct HeldBack {
   machine::ErrorTerm term;
   double evidence = 0.0;  // score when it was found
-  double harm = 0.0;      // probability of that, with this effect and those that were held back after it
+  double harm = 0.0;      // probability of being worse, with this effect and those that were held back after it
+  bool is_for_want_of_gain = false;
 };
 
 // Structure that was found but has no name.

@@ -52,8 +52,9 @@ struct Cause {
 };
 
 // An effect that was found and is not corrected, as the machine could be worse for it over the measured box: the
-// readings do not tell well enough how large it is (uncertain), or what it is (undecided).
-enum class HeldBackKind { kUncertain, kUndecided };
+// readings do not tell well enough how large it is (uncertain), or what it is (undecided); or as all that was found
+// promises no gain there (no gain).
+enum class HeldBackKind { kUncertain, kUndecided, kNoGain };
 struct HeldBack {
   HeldBackKind kind = HeldBackKind::kUncertain;
   std::string subject = {};     // name of the effect

@@ -176,7 +176,7 @@ class Cause:
 
 @dataclasses.dataclass(frozen=True)
 class HeldBack:
-    kind: str  # uncertain, undecided
+    kind: str  # uncertain, undecided, no-gain
     subject: str
     evidence: Optional[float] = None
     harm: Optional[float] = None

@@ -409,7 +409,10 @@ const kTexts = {
   mayBe: ["These sessions cannot tell it from", "Diese Messungen unterscheiden es nicht von"],
   sameAlways: ["The same by another name, in any measurement", "Dasselbe unter anderem Namen, in jeder Messung"],
   causes: ["No errors of the machine, and never compensated", "Keine Fehler der Maschine, und nie kompensiert"],
-  heldBack: ["Found and not corrected: the machine could be worse for it", "Gefunden und nicht korrigiert: die Maschine könnte dadurch schlechter werden"],
+  heldBack: [
+    "Found and not corrected: the machine could be worse for it, or no gain is certain",
+    "Gefunden und nicht korrigiert: die Maschine könnte dadurch schlechter werden, oder kein Gewinn ist sicher",
+  ],
   evidence: ["Evidence (likelihood ratio)", "Beleg (Likelihood-Quotient)"],
   harm: ["Probability of being worse", "Wahrscheinlichkeit, schlechter zu sein"],
   subject: ["What", "Was"],
