@@ -147,7 +147,8 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   const Eigen::MatrixXd linear =
       InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);
   judgement.prior_dominated = FindPriorDominated(solved, linear, curved);
-  ASSIGN_OR_RETURN(judgement.without_interval, FindWithoutInterval(solved, linear, judgement.sigma_scale, options));
+  ASSIGN_OR_RETURN(judgement.without_interval,
+                   FindWithoutInterval(solved, linear, curved, judgement.sigma_scale, options));
   judgement.unsupported = FindUnsupported(solved, judgement);
   return judgement;
 }

@@ -1,22 +1,33 @@
 #include "core/identify/profile_likelihood.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace axiscal::identify {
 namespace {
 
-// Whether another minimum puts a parameter more than a standard uncertainty away.
-std::vector<bool> FindElsewhere(const SolvedProblem& solved, const Eigen::MatrixXd& linear, double sigma_scale) {
+// Whether another minimum puts a parameter more than a standard uncertainty away, or a turn of an artefact that
+// chi-square hardly refuses farther than linear propagation lets it.
+std::vector<bool> FindElsewhere(const SolvedProblem& solved, const Eigen::MatrixXd& stated, double sigma_scale) {
   const std::vector<Parameter>& parameters = solved.parameters;
   const Solution& best = solved.minima[0];
   std::vector<bool> is_elsewhere(parameters.size(), false);
   for (const Solution& other : solved.minima) {
-    constexpr double kRefused = 16.0;  // rise of chi-square: four standard uncertainties
     if (other.cost - best.cost > kRefused * sigma_scale * sigma_scale) break;
     for (size_t i = 0; i < parameters.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       const double apart = ValueOf(other.point.model, parameters[i]) - ValueOf(best.point.model, parameters[i]);
-      if (std::abs(apart) > sigma_scale * std::sqrt(linear(at, at))) is_elsewhere[i] = true;
+      if (std::abs(apart) > sigma_scale * std::sqrt(stated(at, at))) is_elsewhere[i] = true;
+    }
+  }
+  // Of a linear problem no error moves by more than the root of the rise, in standard uncertainties.
+  for (const Solution& other : solved.along_turns) {
+    constexpr double kBeyond = 1.5;
+    const double rise = std::max(sigma_scale * sigma_scale, other.cost - best.cost);
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const double apart = ValueOf(other.point.model, parameters[i]) - ValueOf(best.point.model, parameters[i]);
+      if (std::abs(apart) > kBeyond * std::sqrt(rise * stated(at, at))) is_elsewhere[i] = true;
     }
   }
   return is_elsewhere;
@@ -58,11 +69,15 @@ absl::StatusOr<std::vector<bool>> FindNotParabolic(const SolvedProblem& solved, 
 }  // namespace
 
 absl::StatusOr<std::vector<bool>> FindWithoutInterval(const SolvedProblem& solved, const Eigen::MatrixXd& linear,
-                                                      double sigma_scale, const Options& options) {
+                                                      const Eigen::MatrixXd& curved, double sigma_scale,
+                                                      const Options& options) {
   std::vector<bool> without(solved.parameters.size(), false);
   if (!solved.is_curved) return without;
-  ASSIGN_OR_RETURN(const std::vector<bool> not_parabolic, FindNotParabolic(solved, linear, options));
-  const std::vector<bool> elsewhere = FindElsewhere(solved, linear, sigma_scale);
+  std::vector<bool> not_parabolic(without.size(), false);
+  if (solved.is_way_curved) {
+    ASSIGN_OR_RETURN(not_parabolic, FindNotParabolic(solved, linear, options));
+  }
+  const std::vector<bool> elsewhere = FindElsewhere(solved, linear + curved, sigma_scale);
   for (size_t i = 0; i < without.size(); ++i)
     without[i] = (not_parabolic[i] || elsewhere[i]) && !solved.null_space.involved[i];
   return without;

@@ -14,9 +14,11 @@
 namespace axiscal::identify {
 
 // Per parameter; none where the problem is not curved. `linear`: covariance of the errors by the readings' noise as
-// stated, p x p; `sigma_scale`: by how much the readings scatter more than stated. CANCELLED as Solve().
+// stated, p x p; `curved`: what set-ups that rest on their priors add by curvature (curved_setup.h); `sigma_scale`: by
+// how much the readings scatter more than stated. CANCELLED as Solve().
 absl::StatusOr<std::vector<bool>> FindWithoutInterval(const SolvedProblem& solved, const Eigen::MatrixXd& linear,
-                                                      double sigma_scale, const Options& options);
+                                                      const Eigen::MatrixXd& curved, double sigma_scale,
+                                                      const Options& options);
 
 }  // namespace axiscal::identify
 

@@ -254,7 +254,46 @@ std::vector<Point> ReversedTurns(const Problem& problem, const Point& from) {
   return starts;
 }
 
-// Solves a curved problem again from other starts (multi-start); sets `minima` and the best solution.
+// Whether the artefact's turn is seen by faces: it then acts by its square, too.
+bool HasTouchedFaces(const Problem& problem) {
+  return std::any_of(problem.runs.begin(), problem.runs.end(), [](const MeasuringRun& run) {
+    const std::vector<touch::Feature>& features = run.touches.features;
+    return run.kind == instruments::Kind::kTouch &&
+           std::any_of(features.begin(), features.end(), [](const touch::Feature& one) { return !one.is_sphere; });
+  });
+}
+
+// Holds each turn that rests on a weak prior at values over its prior and fits all else. What chi-square hardly refuses
+// goes to `along_turns`, and where it leads to a minimum when the turn is free again, to `minima`.
+absl::Status FollowTurns(const NullSpace& holding, const Options& options, SolvedProblem* solved) {
+  const Solution from = solved->solution;
+  const double rise = kRefused * std::max(1.0, from.cost / ReadingCount(solved->problem));
+  Options short_way = options;
+  constexpr int kIterations = 8;  // a turn that readings refuse is not followed to the end
+  short_way.max_iterations = kIterations;
+  for (size_t g = 0; g < solved->problem.groups.size(); ++g) {
+    for (size_t k = 0; k < solved->problem.groups[g].parameters.size(); ++k) {
+      const instruments::SetupParameter& turn = solved->problem.groups[g].parameters[k];
+      if (!turn.is_angle || !turn.is_weak || turn.held || !std::isfinite(turn.prior_sigma)) continue;
+      for (const double sigmas : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
+        Problem at_turn = solved->problem;
+        Point start = from.point;
+        start.setup[g][static_cast<Eigen::Index>(k)] = sigmas * turn.prior_sigma;
+        at_turn.groups[g].parameters[k].held = sigmas * turn.prior_sigma;
+        absl::StatusOr<Solution> held = Solve(at_turn, start, holding, short_way);
+        if (absl::IsCancelled(held.status())) return held.status();
+        if (!held.ok() || !held->has_converged || held->cost > from.cost + rise) continue;
+        absl::StatusOr<Solution> freed = Solve(solved->problem, held->point, holding, options);
+        if (absl::IsCancelled(freed.status())) return freed.status();
+        solved->along_turns.push_back(*std::move(held));
+        if (freed.ok() && freed->has_converged) solved->minima.push_back(*std::move(freed));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Solves a curved problem again from other starts (multi-start); sets `minima`, `along_turns` and the best solution.
 absl::Status FindOtherMinima(const Options& options, SolvedProblem* solved) {
   solved->minima = {solved->solution};
   Options quiet = options;
@@ -265,6 +304,7 @@ absl::Status FindOtherMinima(const Options& options, SolvedProblem* solved) {
     if (absl::IsCancelled(other.status())) return other.status();
     if (other.ok() && other->has_converged) solved->minima.push_back(*std::move(other));
   }
+  if (HasTouchedFaces(solved->problem)) RETURN_IF_ERROR(FollowTurns(holding, quiet, solved));
   std::stable_sort(solved->minima.begin(), solved->minima.end(),
                    [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
   solved->solution = solved->minima[0];
@@ -362,7 +402,10 @@ absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::Error
   RETURN_IF_ERROR(FindMinimum(model, setup, options, &solved));
   solved.is_curved = solved.solution.is_curved;
   RETURN_IF_ERROR(FreeHeldErrors(options, &solved));
-  solved.is_curved = solved.is_curved && options.profile_intervals && MayBeCurved(solved.problem);
+  solved.is_way_curved = solved.is_curved;
+  // The way to a minimum may be straight where its surroundings are not.
+  solved.is_curved = options.profile_intervals && ((solved.is_curved && MayBeCurved(solved.problem)) ||
+                                                   (HasTouchedFaces(solved.problem) && !solved.parameters.empty()));
   if (solved.is_curved) RETURN_IF_ERROR(FindOtherMinima(options, &solved));
   const NullSpace holding = solved.Holding();
   constexpr int kRounds = 5;

@@ -11,6 +11,10 @@
 
 namespace axiscal::identify {
 
+// Rise of chi-square, in units of what it is per degree of freedom, that refuses a solution: four standard
+// uncertainties.
+inline constexpr double kRefused = 16.0;
+
 struct SolvedProblem {
   Problem problem;                        // with the noise that was fitted with; outliers are set aside
   std::vector<StandingOut> standing_out;  // of the solution
@@ -20,10 +24,13 @@ struct SolvedProblem {
   Solution solution;
   // Of a curved problem: the minima of chi-square that were found before outliers were set aside, the best first.
   std::vector<Solution> minima;
+  // Of touched faces: solutions with a turn of a set-up held elsewhere, chi-square within kRefused of the best.
+  std::vector<Solution> along_turns;
   // Readings are so far from linear in the unknowns that linear propagation may state uncertainties that are too small
   // (Bates and Watts 1988, ch. 7, "curvature"). False where options.profile_intervals asks for no judgement of it.
   bool is_curved = false;
-  double noise_scale = 1.0;  // Result::noise_scale
+  bool is_way_curved = false;  // a step of the first fit was damped or led back
+  double noise_scale = 1.0;    // Result::noise_scale
 
   // null_space with `held` as its gauge.
   NullSpace Holding() const;
