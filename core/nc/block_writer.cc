@@ -340,7 +340,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     last = &block.words[static_cast<size_t>(*std::max_element(step.word_of_vector.begin(), step.word_of_vector.end()))];
   const std::string motion = step.is_arc || is_in_chords_ ? MotionFor(block, piece.is_arc) : std::string();
   for (const Word& word : block) {
-    if (&word == first && !motion.empty()) {
+    if (first != nullptr && &word == first && !motion.empty()) {
       copy_to(word.letter_at);
       out->append(motion);
     }
@@ -455,7 +455,7 @@ void BlockWriter::WritePiece(const char* text, const Block& block, const Step& s
     is_first = false;
     out->push_back(machine_->axes[axis].name[0]);
     const Word* const word = index < 0 ? nullptr : &block.words[static_cast<size_t>(index)];
-    const bool says_distance = is_wrapped && word->distance != Distance::kModal;
+    const bool says_distance = is_wrapped && word != nullptr && word->distance != Distance::kModal;
     if (says_distance) AppendDistance(word->distance, out);
     AppendNumber(corrected, interpreter_->dialect().writes_plus, out);
     if (says_distance) out->push_back(')');
