@@ -10,8 +10,9 @@
 
 namespace axiscal::nc {
 
-absl::StatusOr<bool> MoveReader::Next(Event* event) {
-  while (events_.empty()) {
+absl::StatusOr<bool> MoveReader::Fill() {
+  while (next_ == count_) {
+    next_ = count_ = 0;
     if (is_at_end_ && is_waiting_ && RunNext()) continue;
     if (is_at_end_) return false;
     ASSIGN_OR_RETURN(const size_t size, reader_(buffer_.data(), buffer_.size()));
@@ -30,9 +31,21 @@ absl::StatusOr<bool> MoveReader::Next(Event* event) {
       });
     }
   }
-  *event = std::move(events_.front());
-  events_.pop_front();
   return true;
+}
+
+absl::StatusOr<bool> MoveReader::Next(Event* event) {
+  ASSIGN_OR_RETURN(const bool has_event, Fill());
+  if (has_event) *event = std::move(events_[next_++]);
+  return has_event;
+}
+
+absl::Status MoveReader::NextSome(std::vector<Event>* events, size_t* count) {
+  ASSIGN_OR_RETURN(const bool has_event, Fill());
+  *count = has_event ? count_ : 0;
+  events->swap(events_);
+  next_ = count_ = 0;
+  return absl::OkStatus();
 }
 
 bool MoveReader::RunNext() {
@@ -70,7 +83,11 @@ void MoveReader::Line(const char* text, size_t size, bool is_overlong) {
     return;
   }
   const bool is_event = step_.kind != StepKind::kNone || step_.is_tool_change || step_.ends_program;
-  if (is_event) events_.push_back({interpreter_.line(), step_});
+  if (!is_event) return;
+  if (count_ == events_.size()) events_.emplace_back();
+  Event& event = events_[count_++];
+  event.line = interpreter_.line();
+  event.step = step_;
 }
 
 ByteReader TextReader(const std::string& text) {

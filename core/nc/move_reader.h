@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -42,8 +41,13 @@ class MoveReader {
 
   // False at the end of the program. Errors of the reader.
   absl::StatusOr<bool> Next(Event* event);
+  // Several at once, those of a piece of the text: `events` from 0 to `count`, 0 at the end of the program. What it
+  // held is overwritten. Not to be mixed with Next.
+  absl::Status NextSome(std::vector<Event>* events, size_t* count);
 
  private:
+  // Reads on until events_ has one. False at the end of the program.
+  absl::StatusOr<bool> Fill();
   void Line(const char* text, size_t size, bool is_overlong);
   // The next block of those that waited, in the order of the control. False behind the last one.
   bool RunNext();
@@ -54,8 +58,10 @@ class MoveReader {
   Preamble preamble_;
   Block block_;
   Step step_;
-  std::vector<char> buffer_ = std::vector<char>(1u << 16);
-  std::deque<Event> events_;
+  std::vector<char> buffer_ = std::vector<char>(1u << 13);
+  // Those that were read and not taken: from next_ to count_. The others keep their memory.
+  std::vector<Event> events_;
+  size_t next_ = 0, count_ = 0;
   bool is_at_end_ = false;
   // From the first line on that calls a subprogram.
   bool is_waiting_ = false;

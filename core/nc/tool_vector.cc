@@ -1,5 +1,6 @@
 // Words of the tool's direction under tool centre point control: I, J and K of G43.5, A3=, B3= and C3= of TRAORI, TX,
 // TY and TZ of LN. The rotary axes go where the nominal chain gives that direction; docs/nc.md, "Tool vectors".
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -8,8 +8,9 @@
 
 #include "core/base/units.h"
 #include "core/machine/redundant_facts.h"
-#include "core/nc/move_reader.h"
+#include "core/nc/moves_ahead.h"
 #include "core/nc/poses.h"
+#include "core/nc/tool_chain.h"
 
 namespace axiscal::nc {
 namespace {
@@ -18,29 +19,34 @@ constexpr int kMaxPiecesPerMove = 20000;
 constexpr double kRotaryMatchDeg = 0.0005;  // words of four decimals, and room for three
 // Where a piece is looked at between its ends: evenly, so often at least, and so that waves of an error show.
 constexpr int kLeastLooks = 3;
+// A move of no more than this on every axis is looked at in its middle alone: looks, with the ends, then stand closer
+// than on longer moves, and there the departure of a straight piece, a parabola, is largest.
+constexpr double kShortMm = 1.0, kShortRad = 1.0 * base::kRadPerDeg;
 constexpr int kMostLooks = 255;
 constexpr double kLookMm = 5.0;
 constexpr double kLookRad = 5.0 * base::kRadPerDeg;
 
 using Values = std::array<double, machine::kMaxAxes>;  // mm, rad
 
-// The tool in the table's frame.
-struct Tool {
-  Eigen::Vector3d tip_mm, direction;
-};
-
-double AngleBetween(const Tool& a, const Tool& b) {
-  return std::atan2(a.direction.cross(b.direction).norm(), a.direction.dot(b.direction));
+double AngleBetween(const ToolPose& a, const ToolPose& b) {
+  // Up to here the series is exact but for the last bit of a double: the next term is 3/40 of its fifth power.
+  constexpr double kSmall = 1e-3;
+  const double sine = a.direction.cross(b.direction).norm(), cosine = a.direction.dot(b.direction);
+  return sine < kSmall && cosine > 0.0 ? sine * (1.0 + sine * sine / 6.0) : std::atan2(sine, cosine);
 }
 
 class Verifier {
  public:
   Verifier(const machine::Machine& machine, const machine::ErrorModel& errors, const VerifyOptions& options)
-      : machine_(machine), errors_(errors), options_(options), frame_(machine, options.tool_tip_mm) {
+      : machine_(machine),
+        options_(options),
+        frame_(machine, options.tool_tip_mm),
+        nominal_(machine, {}, options.time_s, options.temperature_celsius),
+        actual_(machine, errors, options.time_s, options.temperature_celsius) {
     if (options.reading.orientation) rotary_match_deg_ += options.reading.max_rotary_correction_rad * base::kDegPerRad;
   }
 
-  absl::StatusOr<VerifyReport> Run(MoveReader* original, MoveReader* compensated) {
+  absl::StatusOr<VerifyReport> Run(MovesAhead* original, MovesAhead* compensated) {
     Event wanted, found;
     while (true) {
       ASSIGN_OR_RETURN(const bool has_wanted, original->Next(&wanted));
@@ -74,14 +80,14 @@ class Verifier {
 
  private:
   // The next event of the compensated program: one that was looked at already, or a new one.
-  absl::StatusOr<bool> Take(MoveReader* compensated, Event* found) {
+  absl::StatusOr<bool> Take(MovesAhead* compensated, Event* found) {
     if (ahead_.empty()) return compensated->Next(found);
     *found = std::move(ahead_.front());
     ahead_.pop_front();
     return true;
   }
 
-  absl::Status NextOf(MoveReader* compensated, const Event& wanted, Event* found) {
+  absl::Status NextOf(MovesAhead* compensated, const Event& wanted, Event* found) {
     ASSIGN_OR_RETURN(const bool has_found, Take(compensated, found));
     if (has_found) return absl::OkStatus();
     return absl::InvalidArgumentError(
@@ -96,7 +102,7 @@ class Verifier {
   bool IsKnown(const nc::Positions& positions) const { return positions.known == (1u << machine_.axis_count()) - 1; }
 
   // A hole: the tool point where the drill goes in, and at the bottom.
-  absl::Status PairHole(const Event& wanted, MoveReader* compensated, Event* found) {
+  absl::Status PairHole(const Event& wanted, MovesAhead* compensated, Event* found) {
     do {
       RETURN_IF_ERROR(NextOf(compensated, wanted, found));
     } while (IsReturn(last_end_, found->step));
@@ -119,22 +125,15 @@ class Verifier {
       return absl::OkStatus();
     }
     report_.not_judged.End();
-    Step senses = wanted.step;
-    senses.end.sense[z] = -1;
+    AxisSenses senses = wanted.step.end.sense;
+    senses[z] = -1;
     for (const bool is_bottom : {false, true}) {
       const auto height = [is_bottom](const Step& step) { return is_bottom ? step.hole.bottom : step.hole.entry; };
       const nc::Positions nominal = at(wanted.step, height(wanted.step)), told = at(found->step, height(found->step));
       if (!IsNear(nominal, told, static_cast<uint16_t>((1u << machine_.axis_count()) - 1)))
         return Mismatch(wanted, *found, "does not drill at the same position");
-      const Values nominal_axes = AxesOf(wanted.step, PositionsOf(nominal));
-      const Tool end = Nominal(nominal_axes), before = Actual(nominal_axes, senses);
-      const Tool after = Actual(AxesOf(found->step, PositionsOf(told)), senses);
-      report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
-      const double after_mm = (after.tip_mm - end.tip_mm).norm();
-      report_.end_after.Add(after_mm);
-      report_.end_tilt_before.Add(AngleBetween(before, end));
-      report_.end_tilt_after.Add(AngleBetween(after, end));
-      AddWorst(after_mm, wanted.line);
+      AddEnd(ToolsAt(AxesOf(wanted.step, PositionsOf(nominal)), AxesOf(found->step, PositionsOf(told)), senses),
+             wanted.line);
     }
     return absl::OkStatus();
   }
@@ -169,18 +168,41 @@ class Verifier {
     return true;
   }
 
-  // How far the tool of the machine with its errors, at the piece's end, is from where the move should bring it.
-  double EndErrorMm(const Event& wanted, const Event& found) const {
-    const Tool end = Nominal(AxesOf(wanted.step, PositionsOf(wanted.step.end)));
-    return (Actual(AxesOf(found.step, PositionsOf(found.step.end)), wanted.step).tip_mm - end.tip_mm).norm();
+  // The tool where the original's command leads: nominal, and of the machine with its errors; and where the command of
+  // the compensated program leads the latter.
+  struct Tools {
+    ToolPose nominal, before, after;
+
+    double after_mm() const { return (after.tip_mm - nominal.tip_mm).norm(); }
+  };
+
+  // Senses are the original's: a correction of micrometres reverses no axis.
+  Tools ToolsAt(const Values& original, const Values& compensated, const AxisSenses& senses) const {
+    const AxesAt original_axes = ToolChain::Prepare(machine_, original, nullptr);
+    const AxesAt axes = ToolChain::Prepare(machine_, compensated, &original_axes);
+    return {nominal_.At(original_axes, senses, tip_mm_), actual_.At(original_axes, senses, tip_mm_),
+            actual_.At(axes, senses, tip_mm_)};
   }
 
-  // Whether the piece, though near the move's end, is not its last one (pieces may be short): that is so where the
-  // pieces behind it come nearer, and one of them reaches the end exactly.
-  absl::StatusOr<bool> IsBeforeLast(const Event& wanted, const Event& found, MoveReader* compensated) {
+  Tools ToolsAtEnd(const Event& wanted, const Event& found) const {
+    return ToolsAt(AxesOf(wanted.step, PositionsOf(wanted.step.end)), AxesOf(found.step, PositionsOf(found.step.end)),
+                   wanted.step.end.sense);
+  }
+
+  void AddEnd(const Tools& tools, int64_t line) {
+    const double after_mm = tools.after_mm();
+    report_.end_before.Add((tools.before.tip_mm - tools.nominal.tip_mm).norm());
+    report_.end_after.Add(after_mm);
+    report_.end_tilt_before.Add(AngleBetween(tools.before, tools.nominal));
+    report_.end_tilt_after.Add(AngleBetween(tools.after, tools.nominal));
+    AddWorst(after_mm, line);
+  }
+
+  // Whether the piece, though near the move's end and `error_mm` off it, is not its last one (pieces may be short):
+  // that is so where the pieces behind it come nearer, and one of them reaches the end exactly.
+  absl::StatusOr<bool> IsBeforeLast(const Event& wanted, double error_mm, MovesAhead* compensated) {
     constexpr double kExactMm = 0.002;  // the words' rounding, and room
     constexpr size_t kMostPieces = 1000;
-    double error_mm = EndErrorMm(wanted, found);
     for (size_t k = 0; error_mm > kExactMm && k < kMostPieces; ++k) {
       if (k == ahead_.size()) {
         Event next;
@@ -191,7 +213,7 @@ class Verifier {
       }
       const Event& next = ahead_[k];
       if (next.step.kind != StepKind::kMove || !Reaches(wanted.step, next.step)) return false;
-      const double next_mm = EndErrorMm(wanted, next);
+      const double next_mm = ToolsAtEnd(wanted, next).after_mm();
       if (next_mm <= kExactMm) return true;
       if (next_mm >= error_mm) return false;
       error_mm = next_mm;
@@ -225,26 +247,12 @@ class Verifier {
     return 0.0;
   }
 
-  Tool ToolAt(const Values& at, const machine::JointErrors<double>& errors) const {
-    const auto pose = machine::EvaluateChain<double>(machine_, at.data(), errors);
-    return {machine::TipInTable(pose, tip_mm_), machine::ToolDirectionInTable(machine_, pose)};
+  ToolPose Nominal(const Values& at) const {
+    return nominal_.At(ToolChain::Prepare(machine_, at, nullptr), {}, tip_mm_);
   }
-
-  // The tool of the machine with its errors. Senses are the original's: a correction of micrometres reverses no axis.
-  Tool Actual(const Values& at, const Step& senses) const {
-    std::array<shapes::AxisState, machine::kMaxAxes> axes;
-    for (int i = 0; i < machine_.axis_count(); ++i) {
-      axes[i].position = at[i];
-      axes[i].sense = senses.end.sense[i];
-    }
-    shapes::State state;
-    state.axes = {axes.data(), static_cast<size_t>(machine_.axis_count())};
-    state.time_s = options_.time_s;
-    state.temperature_celsius = options_.temperature_celsius;
-    return ToolAt(at, machine::ErrorsAt(machine_, errors_, state));
+  ToolPose Actual(const Values& at, const AxisSenses& senses) const {
+    return actual_.At(ToolChain::Prepare(machine_, at, nullptr), senses, tip_mm_);
   }
-
-  Tool Nominal(const Values& at) const { return ToolAt(at, {}); }
 
   // The tool point with the tool length in force.
   void TakeTool(const Step& step) { tip_mm_ = options_.tool_tip_mm + LengthMm(step) * machine_.tool_direction; }
@@ -307,7 +315,7 @@ class Verifier {
     constexpr double kStep = 1e-4;
     constexpr int kIterations = 3;
     using Tool6 = Eigen::Matrix<double, 6, 1>;
-    const auto stacked = [](const Tool& tool) {
+    const auto stacked = [](const ToolPose& tool) {
       constexpr double kMmPerRad = 100.0;  // a direction counts as a point that far along the tool
       Tool6 all;
       all << tool.tip_mm, kMmPerRad * tool.direction;
@@ -332,10 +340,14 @@ class Verifier {
 
   int LooksInside(const Step& step, const Values& from, const Values& to) const {
     double looks = kLeastLooks;
+    bool is_short = !step.is_arc;
     for (int i = 0; i < machine_.axis_count(); ++i) {
       const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
-      looks = std::max(looks, std::abs(to[i] - from[i]) / (is_rotary ? kLookRad : kLookMm));
+      const double travel = std::abs(to[i] - from[i]);
+      is_short = is_short && travel <= (is_rotary ? kShortRad : kShortMm);
+      looks = std::max(looks, travel / (is_rotary ? kLookRad : kLookMm));
     }
+    if (is_short) return 1;
     if (step.is_arc) looks = std::max(looks, std::abs(step.arc.sweep_rad) * step.arc.radius_mm() / kLookMm);
     return static_cast<int>(std::ceil(std::min<double>(looks, kMostLooks)));
   }
@@ -347,8 +359,10 @@ class Verifier {
     for (int look = 1; look <= looks; ++look) {
       const double t = look / (looks + 1.0);
       const double fraction = first + t * (last - first);
-      const Values nominal = AxesOf(wanted.step, AlongMove(wanted.step, nominal_from, nominal_to, fraction));
-      const Tool path = Nominal(nominal);
+      const Tools tools =
+          ToolsAt(AxesOf(wanted.step, AlongMove(wanted.step, nominal_from, nominal_to, fraction)),
+                  AxesOf(found.step, AlongMove(found.step, from, to, t)), SensesAt(wanted.step, fraction));
+      const ToolPose& path = tools.nominal;
       const Eigen::Vector3d ahead_mm =
           Nominal(AxesOf(wanted.step, AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4))).tip_mm -
           path.tip_mm;
@@ -356,30 +370,26 @@ class Verifier {
         const double squared = ahead_mm.squaredNorm();
         return squared < 1e-18 ? error_mm.norm() : (error_mm - ahead_mm * (ahead_mm.dot(error_mm) / squared)).norm();
       };
-      const Step senses = SensesAt(wanted.step, fraction);
-      const Tool before = Actual(nominal, senses);
-      const Tool after = Actual(AxesOf(found.step, AlongMove(found.step, from, to, t)), senses);
-      report_.path_before.Add(across(before.tip_mm - path.tip_mm));
-      const double after_mm = across(after.tip_mm - path.tip_mm);
+      report_.path_before.Add(across(tools.before.tip_mm - path.tip_mm));
+      const double after_mm = across(tools.after.tip_mm - path.tip_mm);
       report_.path_after.Add(after_mm);
-      report_.path_tilt_before.Add(AngleBetween(before, path));
-      report_.path_tilt_after.Add(AngleBetween(after, path));
+      report_.path_tilt_before.Add(AngleBetween(tools.before, path));
+      report_.path_tilt_after.Add(AngleBetween(tools.after, path));
       AddWorst(after_mm, wanted.line);
     }
   }
 
   // The senses of motion at a fraction of the original's move: on an arc they turn.
-  static Step SensesAt(const Step& step, double fraction) {
-    Step senses;
-    senses.end.sense = step.end.sense;
+  static AxisSenses SensesAt(const Step& step, double fraction) {
+    AxisSenses senses = step.end.sense;
     if (!step.is_arc) return senses;
     const double angle = step.arc.start_rad + fraction * step.arc.sweep_rad;
-    senses.end.sense[step.arc.first] = -std::sin(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
-    senses.end.sense[step.arc.second] = std::cos(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
+    senses[step.arc.first] = -std::sin(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
+    senses[step.arc.second] = std::cos(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
     return senses;
   }
 
-  absl::Status Pair(const Event& wanted, MoveReader* compensated, Event* found) {
+  absl::Status Pair(const Event& wanted, MovesAhead* compensated, Event* found) {
     ++report_.moves;
     TakeTool(wanted.step);
     const bool is_known = IsKnown(wanted.step.end);
@@ -405,13 +415,15 @@ class Verifier {
       if (!is_known) return absl::OkStatus();
       if (piece >= kMaxPiecesPerMove || !IsKnown(found->step.end))
         return Mismatch(wanted, *found, "does not reach the same position");
+      const Values to = PositionsOf(found->step.end);
       // Pieces of a full circle pass its end at the begin.
       bool is_last = Reaches(wanted.step, found->step) && (!wanted.step.is_arc || IsAtEnd(wanted, *found, fraction));
+      std::optional<Tools> at_end;  // of the last piece
+      if (is_last) at_end = ToolsAt(AxesOf(wanted.step, nominal_to), AxesOf(found->step, to), wanted.step.end.sense);
       if (is_last && has_path) {
-        ASSIGN_OR_RETURN(const bool is_before_last, IsBeforeLast(wanted, *found, compensated));
+        ASSIGN_OR_RETURN(const bool is_before_last, IsBeforeLast(wanted, at_end->after_mm(), compensated));
         is_last = !is_before_last;
       }
-      const Values to = PositionsOf(found->step.end);
       double slack = 0;
       double next = is_last ? 1.0 : FractionOf(wanted.step, nominal_from, nominal_to, to, fraction, &slack);
       if (!is_last && has_path && options_.reading.orientation && std::isfinite(next))
@@ -424,23 +436,15 @@ class Verifier {
       }
       fraction = std::max(fraction, next);
       if (!is_last) continue;
-      const Values end_axes = AxesOf(wanted.step, nominal_to);
-      const Tool end = Nominal(end_axes);
-      const Tool before = Actual(end_axes, wanted.step), after = Actual(AxesOf(found->step, to), wanted.step);
-      report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
-      const double after_mm = (after.tip_mm - end.tip_mm).norm();
-      report_.end_tilt_before.Add(AngleBetween(before, end));
-      report_.end_tilt_after.Add(AngleBetween(after, end));
-      report_.end_after.Add(after_mm);
-      AddWorst(after_mm, wanted.line);
+      AddEnd(*at_end, wanted.line);
       return absl::OkStatus();
     }
   }
 
   const machine::Machine& machine_;
-  const machine::ErrorModel& errors_;
   const VerifyOptions& options_;
   const ToolPointFrame frame_;
+  const ToolChain nominal_, actual_;
   VerifyReport report_;
   Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
   double rotary_match_deg_ = kRotaryMatchDeg;
@@ -463,8 +467,8 @@ absl::StatusOr<VerifyReport> Verify(const ByteReader& original, const ByteReader
   RewriteOptions reading_compensated = reading;
   reading_compensated.subprograms = options.compensated_subprograms;
   ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, reading_compensated));
-  MoveReader original_moves(original, std::move(of_original));
-  MoveReader compensated_moves(compensated, std::move(of_compensated));
+  MovesAhead original_moves(original, std::move(of_original));
+  MovesAhead compensated_moves(compensated, std::move(of_compensated));
   return Verifier(machine, errors, options).Run(&original_moves, &compensated_moves);
 }
 

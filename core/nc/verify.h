@@ -50,7 +50,7 @@ struct VerifyReport {
   AngleSpread path_tilt_before, path_tilt_after;
   int64_t blocks_passed = 0;  // of blocks_unsupported: not followed at all; the others go to machine positions
   LineRanges not_judged;      // of the original: what is not evaluated
-  int64_t worst_line = 0;  // of the original, where end_after or path_after is largest
+  int64_t worst_line = 0;     // of the original, where end_after or path_after is largest
 };
 
 // In constant memory. INVALID_ARGUMENT with the lines when the moves of the programs do not pair; errors of the

@@ -1,5 +1,6 @@
 #include "core/nc/verify.h"
 
+#include <absl/strings/numbers.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -308,6 +309,46 @@ TEST(Verify, ProgramsThatDoNotPairAreErrors) {
               HasSubstr("line 2 of the compensated program: the original has no such move"));
   EXPECT_THAT(message("G1 X1.\nB10.\n", "G1 X1.\nB11.\n"), HasSubstr("line 2"));
   EXPECT_THAT(message("G28 X0\n", "G1 X0\n"), HasSubstr("is not the same block"));
+}
+
+// One word wrong by 1 um, in any place of a program of short moves, and in any of the three axes: the error behind that
+// block is as large, and the block is named.
+TEST(Verify, EachWordCounts) {
+  constexpr double kWrongMm = 0.001, kRoundingMm = 0.00015;
+  constexpr int kBlocks = 40;
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  std::string program;
+  for (int i = 0; i < kBlocks; ++i) {
+    absl::StrAppendFormat(&program, "G01 X%.4f Y%.4f Z%.4f B%.4f C%.4f F2000\n", 0.09 * i, 80 - 0.03 * i, -0.05 * i,
+                          10 + 0.02 * i, 5 - 0.04 * i);
+  }
+  VerifyOptions options;
+  options.reading = testing::InMm();
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
+  RewriteReport report;
+  const auto text = RewriteText(program, testing::LeaningHead(), testing::InMm(), &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  const auto clean = VerifyText(program, *text, machine, errors, options);
+  ASSERT_TRUE(clean.ok()) << clean.status();
+  EXPECT_LT(clean->end_after.max_mm, kRoundingMm);
+  int planted = 0;
+  for (const char axis : {'X', 'Y', 'Z'}) {
+    size_t line_at = text->find("G01");  // behind the head
+    for (int i = 0; i < kBlocks; ++i, line_at = text->find('\n', line_at) + 1) {
+      const size_t at = text->find(axis, line_at) + 1, end = text->find(' ', at);
+      double value = 0;
+      ASSERT_TRUE(absl::SimpleAtod(text->substr(at, end - at), &value));
+      std::string wrong = *text;
+      wrong.replace(at, end - at, absl::StrFormat("%.4f", value + kWrongMm));
+      const auto verified = VerifyText(program, wrong, machine, errors, options);
+      ASSERT_TRUE(verified.ok()) << verified.status();
+      EXPECT_NEAR(verified->end_after.max_mm, kWrongMm, kRoundingMm) << axis << i;
+      EXPECT_EQ(verified->worst_line, i + 1) << axis;
+      ++planted;
+    }
+  }
+  EXPECT_EQ(planted, 3 * kBlocks);
 }
 
 // A tip on the other side than the machine's tool_direction points to would double the error: nobody corrects or
