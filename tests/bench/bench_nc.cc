@@ -154,6 +154,44 @@ BENCHMARK_CAPTURE(Rewrite, position_dependent_errors, true, 0.001)->Unit(benchma
 BENCHMARK_CAPTURE(Rewrite, orientation_constant_errors, false, 0.001, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Rewrite, orientation_position_dependent_errors, true, 0.001, true)->Unit(benchmark::kMillisecond);
 
+// The same words under tool centre point control: X, Y and Z stand in the workpiece's frame, near its origin.
+const std::string& ToolPointProgram() {
+  static const std::string* const program = [] {
+    auto* text = new std::string("G90 G21 G0 X-390. Y80. Z-112. B45. C0.\nG43.4 H1\n");
+    text->reserve(kBlocks * 64);
+    char line[128];
+    for (int i = 0; i < kBlocks; ++i) {
+      const double t = i * 1e-3;
+      const int size = std::snprintf(line, sizeof(line), "G01 X%.4f Y%.4f Z%.4f B%.4f C%.4f F2000\n", 90 * std::sin(t),
+                                     80 * std::cos(0.7 * t), -112 + 60 * std::sin(1.3 * t),
+                                     45 + 44 * std::sin(0.31 * t), 180 * std::sin(0.11 * t));
+      text->append(line, static_cast<size_t>(size));
+    }
+    return text;
+  }();
+  return *program;
+}
+
+void RewriteToolPoint(benchmark::State& state, bool with_scale) {
+  const compensate::Compensator compensator = MakeCompensator(with_scale);
+  nc::RewriteOptions options = InMillimetres();
+  options.max_correction_mm = 5.0;
+  options.tool_lengths = {{1, 0.0}};
+  for (auto _ : state) {
+    nc::RewriteReport report;
+    const auto text = nc::RewriteText(ToolPointProgram(), compensator, options, &report);
+    if (!text.ok()) {
+      state.SkipWithError(std::string(text.status().message()).c_str());
+      break;
+    }
+    state.counters["split"] = static_cast<double>(report.blocks_split);
+    state.counters["after_um"] = report.error_after.max_mm * base::kUmPerMm;
+  }
+  Count(state);
+}
+BENCHMARK_CAPTURE(RewriteToolPoint, constant_errors, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(RewriteToolPoint, position_dependent_errors, true)->Unit(benchmark::kMillisecond);
+
 // File to file, on the disk of the folder for temporary files (TMPDIR): the first number says how many million blocks,
 // the second one is 1 where the output replaces a file of its size, whose room the disk gets back meanwhile. grown_MB
 // is what the process' peak grew by: nothing, at any size.
