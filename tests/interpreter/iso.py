@@ -93,6 +93,9 @@ class Iso(Control):
             pc += 1
             if skipped and self.setup.get("either"):  # who does not know the switch does not know where these axes stand
                 self.unsure_later = {a for a in self.axes if re.search(a + r"\s*[-+=.\d]", clean, re.I)}
+            # rs274: "Bad character '%' used", where other words stand behind it.
+            if self.dialect == "linuxcnc" and clean.startswith("%") and clean.strip() != "%":
+                raise Alarm("bad character '%%' in %r" % clean.strip())
             if (skipped and self.setup.get("skip")) or not clean.strip() or clean.startswith("%"):
                 self.unsure |= self.unsure_later
                 self.unsure_later = set()
