@@ -809,6 +809,10 @@ class Iso(Control):
                      "FNORM", "ORIAXES", "FLIN", "FCUB", "DYNNORM", "DYNFINISH", "G_"):
                 self.code(a, w.value)
                 other.remove(w)
+            elif a in ("ORIVECT", "ORIWKS", "ORIMKS") and not self.tcp and "tcp" not in self.foreign:
+                # The group of ORIAXES: how the tool turns under TRAORI, and no motion without it.
+                self.code(a, w.value)
+                other.remove(w)
             elif a in ("SUPA",):
                 self.block_flags.add("machine")
                 other.remove(w)
