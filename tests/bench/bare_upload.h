@@ -1,6 +1,6 @@
-// The least that a durable upload can be: a gRPC stream of bytes into one SQLite table. It waits for the disk as the
-// service does (WAL, synchronous=FULL, at most kGroup chunks of what waits in one transaction, kWindow chunks under
-// way) and does nothing else: no checks, no checksums, no compression.
+// The least that a durable upload can be: a gRPC stream of bytes into one table of SQLite or PostgreSQL. It waits for
+// the disk as the service does (at most kGroup chunks of what waits in one transaction, kWindow chunks of a stream
+// under way) and does nothing else: no checks, no checksums, no compression.
 #ifndef AXISCAL_TESTS_BENCH_BARE_UPLOAD_H_
 #define AXISCAL_TESTS_BENCH_BARE_UPLOAD_H_
 
@@ -8,23 +8,34 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bare_upload.grpc.pb.h"
 #include "core/session/session.h"
 
 namespace axiscal::bench {
 
+// A table with one thread that writes to it.
+class BareTable {
+ public:
+  virtual ~BareTable() = default;
+  // Returns when they are durable: one transaction.
+  virtual void Write(const std::vector<BareChunk>& group) = 0;
+};
+
+// Made in a new file; WAL, synchronous=FULL.
+std::unique_ptr<BareTable> NewSqliteTable(const std::string& path);
+
 class BareServer {
  public:
-  // Its table is made in a new file `database_path`.
-  BareServer(const std::string& database_path, const std::string& address);
+  BareServer(std::unique_ptr<BareTable> table, const std::string& address);
   ~BareServer();
 
  private:
-  class Table;
+  class Queue;
   class Service;
 
-  std::unique_ptr<Table> table_;
+  std::unique_ptr<Queue> queue_;
   std::unique_ptr<Service> service_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -74,7 +74,7 @@ void Upload(benchmark::State& state, Digits digits) {
   DEMAND(client.CreateMachine(testing::MachineJson(kMachine)).ok());
 
   const std::string bare_address = "unix:" + folder.File("bare");
-  const bench::BareServer bare_server(folder.File("bare.db"), bare_address);
+  const bench::BareServer bare_server(bench::NewSqliteTable(folder.File("bare.db")), bare_address);
   const auto stub = bench::BareUpload::NewStub(grpc::CreateChannel(bare_address, grpc::InsecureChannelCredentials()));
 
   Spent ours, bare;
