@@ -49,17 +49,8 @@ absl::StatusOr<AppendResult> CheckRepeat(Connection& connection, SessionId id, c
   return AppendResult{next_seq, true};
 }
 
-}  // namespace
-
-absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std::vector<ColumnSpec>& specs) {
-  if (!chunk.HasColumns(specs)) {
-    return InvalidArgument(absl::StrCat("chunk ", chunk.seq(), ": its columns are not the session's"), "CHUNK_INVALID");
-  }
-  return EncodedChunk{chunk.seq(), chunk.reading_count(), chunk.crc32c(), EncodeChunk(chunk.columns())};
-}
-
-absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& now, SessionId id,
-                                         const EncodedChunk& chunk) {
+// Of a chunk that is not the next one of an open session: a repeat, or why it is refused.
+absl::StatusOr<AppendResult> NotAppended(Connection& connection, SessionId id, const EncodedChunk& chunk) {
   SessionState state;
   int64_t next_seq;
   {
@@ -72,18 +63,31 @@ absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& n
   if (chunk.seq < next_seq) return CheckRepeat(connection, id, chunk, next_seq);
   if (state != SessionState::kOpen)
     return FailedPrecondition(Place(id, chunk.seq) + ": the session is closed", "SESSION_CLOSED");
-  if (chunk.seq > next_seq) {
-    return base::Error(absl::StatusCode::kOutOfRange, absl::StrCat(Place(id, chunk.seq), ": expected seq ", next_seq),
-                       {"SEQ_GAP", {{"next_seq", std::to_string(next_seq)}}});
+  return base::Error(absl::StatusCode::kOutOfRange, absl::StrCat(Place(id, chunk.seq), ": expected seq ", next_seq),
+                     {"SEQ_GAP", {{"next_seq", std::to_string(next_seq)}}});
+}
+
+}  // namespace
+
+absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std::vector<ColumnSpec>& specs) {
+  if (!chunk.HasColumns(specs)) {
+    return InvalidArgument(absl::StrCat("chunk ", chunk.seq(), ": its columns are not the session's"), "CHUNK_INVALID");
   }
+  return EncodedChunk{chunk.seq(), chunk.reading_count(), chunk.crc32c(), EncodeChunk(chunk.columns())};
+}
+
+absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& now, SessionId id,
+                                         const EncodedChunk& chunk) {
+  // One statement where all is well: an answer of a server takes longer than the row.
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE session SET next_seq = next_seq + 1, reading_count = reading_count + ?2, "
+                     "last_seen_at_utc_us = ?3, last_seen_up_us = ?4 WHERE id = ?1 AND state = 1 AND next_seq = ?5",
+                     id, chunk.reading_count, now.utc, now.up_us, chunk.seq));
+  if (connection.changed_rows() == 0) return NotAppended(connection, id, chunk);
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO chunk (session_id, seq, reading_count, crc32c, content) VALUES (?1, ?2, ?3, ?4, ?5)",
                      id, chunk.seq, chunk.reading_count, static_cast<int64_t>(chunk.crc32c), Blob{chunk.content}));
-  RETURN_IF_ERROR(
-      connection.Run("UPDATE session SET next_seq = next_seq + 1, reading_count = reading_count + ?2, "
-                     "last_seen_at_utc_us = ?3, last_seen_up_us = ?4 WHERE id = ?1",
-                     id, chunk.reading_count, now.utc, now.up_us));
-  return AppendResult{next_seq + 1, false};
+  return AppendResult{chunk.seq + 1, false};
 }
 
 absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,

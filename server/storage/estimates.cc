@@ -239,18 +239,14 @@ absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int6
 }
 
 absl::StatusOr<std::vector<std::string>> MachineSymbols(Connection& connection, int64_t machine_key) {
-  // Skips from one symbol to the next instead of reading every row for DISTINCT.
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::StrCat("WITH RECURSIVE ", kSymbolsOfMachine,
+                                                              " SELECT symbol FROM known WHERE symbol IS NOT NULL"),
+                                                 machine_key));
   std::vector<std::string> symbols;
-  std::string last;
   while (true) {
-    ASSIGN_OR_RETURN(Statement row,
-                     connection.Ask("SELECT symbol FROM estimate_week WHERE machine_id = ?1 AND symbol > ?2 "
-                                    "ORDER BY symbol LIMIT 1",
-                                    machine_key, last));
-    ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return symbols;
-    last = row.Text(0);
-    symbols.push_back(last);
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return symbols;
+    symbols.push_back(row.Text(0));
   }
 }
 

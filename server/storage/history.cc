@@ -136,6 +136,15 @@ absl::Status SeriesBuilder::AddWeeks(int64_t first, int64_t end, int64_t origin_
 }
 
 absl::StatusOr<bool> SeriesBuilder::HasMoreThan(const Span& span, int limit) {
+  {
+    // Where there are no more with those that were rejected, their calibrations need not be asked.
+    ASSIGN_OR_RETURN(Statement row,
+                     connection_.Ask("SELECT count(*) FROM (SELECT 1 FROM estimate WHERE machine_id = ?1 AND symbol = "
+                                     "?2 AND measured_at_utc_us >= ?3 AND measured_at_utc_us < ?4 LIMIT ?5) AS point",
+                                     machine_key_, series_.symbol, span.from, span.to, limit + 1));
+    RETURN_IF_ERROR(row.Step().status());
+    if (row.Int(0) <= limit) return false;
+  }
   ASSIGN_OR_RETURN(Statement row,
                    connection_.Ask(absl::StrCat("SELECT count(*) FROM (SELECT 1 FROM estimate AS e CROSS JOIN "
                                                 "calibration AS c ON c.id = e.calibration_id "
@@ -162,21 +171,39 @@ absl::Status Fill(const Span& span, int max_points, SeriesBuilder& builder) {
   return builder.AddEstimates({end_whole * kWeekUs, span.to}, origin_us, bucket_us);
 }
 
-// The part of the range in which the machine has estimates: an open range (0 .. far future) must not make one bucket of
-// everything.
-absl::StatusOr<Span> Narrow(Connection& connection, int64_t machine_key, const std::vector<std::string>& symbols,
-                            Span span) {
+// The part of the range in which the machine has estimates of these symbols; of none: of all that it has, which are put
+// there. An open range (0 .. far future) must not make one bucket of everything.
+absl::StatusOr<Span> Narrow(Connection& connection, int64_t machine_key, std::vector<std::string>& symbols, Span span) {
   Span known = {span.to, span.from};
-  for (const std::string& symbol : symbols) {
-    ASSIGN_OR_RETURN(
-        Statement row,
-        connection.Ask("SELECT (SELECT min(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2), "
-                       "(SELECT max(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2)",
-                       machine_key, symbol));
-    RETURN_IF_ERROR(row.Step().status());
-    if (row.IsNull(0)) continue;
+  const auto add = [&](const Statement& row) {
+    if (row.IsNull(0)) return;
     known.from = std::min(known.from, row.Int(0) * kWeekUs);
     known.to = std::max(known.to, (row.Int(1) + 1) * kWeekUs);
+  };
+  if (symbols.empty()) {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask(absl::StrCat("WITH RECURSIVE ", kSymbolsOfMachine,
+                                    " SELECT (SELECT min(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = "
+                                    "known.symbol), (SELECT max(week) FROM estimate_week WHERE machine_id = ?1 AND "
+                                    "symbol = known.symbol), symbol FROM known WHERE symbol IS NOT NULL"),
+                       machine_key));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      add(row);
+      symbols.push_back(row.Text(2));
+    }
+  } else {
+    for (const std::string& symbol : symbols) {
+      ASSIGN_OR_RETURN(
+          Statement row,
+          connection.Ask("SELECT (SELECT min(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2), "
+                         "(SELECT max(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2)",
+                         machine_key, symbol));
+      RETURN_IF_ERROR(row.Step().status());
+      add(row);
+    }
   }
   return Span{std::max(span.from, known.from), std::min(span.to, known.to)};
 }
@@ -244,9 +271,6 @@ absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, cons
   RETURN_IF_ERROR(CheckQuery(query));
   ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, query.machine));
   std::vector<std::string> symbols = query.symbols;
-  if (symbols.empty()) {
-    ASSIGN_OR_RETURN(symbols, MachineSymbols(connection, machine_key));
-  }
   std::sort(symbols.begin(), symbols.end());
   symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
   const Span asked = {std::max<int64_t>(base::ToUtcUs(query.from), 0), base::ToUtcUs(query.to)};
