@@ -45,6 +45,8 @@ constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
 constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
 // How often uploads that were left are looked for. A crash loses so much of the time that counts for them.
 constexpr std::chrono::minutes kHousekeeping(10);
+// How soon a balancer hears that a store which others share does not answer: it takes some seconds itself.
+constexpr std::chrono::seconds kAsksStore(2);
 // Clients may ask so often whether we are there; more often they are sent away.
 constexpr int kMinPingIntervalMs = 10'000;
 // Of one answer to a call within this process, by HTTP or embedded: reports are longer than what callers may send.
@@ -315,6 +317,7 @@ class Server::Impl {
     keeper_.Start();
     if (sender_ != nullptr) sender_->Start();
     housekeeper_ = std::thread([this] { KeepHouse(); });
+    if (database_->is_shared()) readiness_ = std::thread([this] { FollowStore(); });
     return absl::OkStatus();
   }
 
@@ -324,6 +327,7 @@ class Server::Impl {
     const base::MutexLock lock(shutdown_mutex_);
     if (server_ == nullptr) return;
     Log(LogLevel::kInfo, "drain", {});
+    StopFollowingStore();
     server_->GetHealthCheckService()->SetServingStatus(false);
     core_.draining = true;
     const base::SteadyTime deadline = base::SystemClock().SteadyNow() + options_.drain;
@@ -581,6 +585,34 @@ class Server::Impl {
     }
   }
 
+  // Ready is who can read the store: a balancer sends calls to others meanwhile.
+  void FollowStore() {
+    bool was_ready = true;
+    const base::MutexLock lock(readiness_mutex_);
+    while (!stop_readiness_) {
+      readiness_mutex_.Unlock();
+      const absl::Status answer = database_->JobVersions({}).status();
+      readiness_mutex_.Lock();
+      if (stop_readiness_) return;
+      if (answer.ok() != was_ready) {
+        was_ready = answer.ok();
+        Log(was_ready ? LogLevel::kInfo : LogLevel::kError, was_ready ? "ready" : "not_ready",
+            {{"error", was_ready ? "" : answer.ToString()}});
+        server_->GetHealthCheckService()->SetServingStatus(was_ready);
+      }
+      wake_readiness_.WaitUntil(readiness_mutex_, base::SystemClock().SteadyNow() + kAsksStore);
+    }
+  }
+
+  void StopFollowingStore() {
+    {
+      const base::MutexLock lock(readiness_mutex_);
+      stop_readiness_ = true;
+      wake_readiness_.NotifyAll();
+    }
+    if (readiness_.joinable()) readiness_.join();
+  }
+
   void StopHousekeeper() {
     {
       const base::MutexLock lock(housekeeper_mutex_);
@@ -596,6 +628,10 @@ class Server::Impl {
   base::CondVar wake_housekeeper_;
   bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
   EndWarnings end_warnings_;  // the housekeeper's alone
+  base::Mutex readiness_mutex_;
+  base::CondVar wake_readiness_;
+  bool stop_readiness_ AXISCAL_GUARDED_BY(readiness_mutex_) = false;
+  std::thread readiness_;
   std::thread housekeeper_;
   std::thread asker_;
   std::thread flood_watch_;

@@ -16,6 +16,7 @@
 #include "core/base/error_detail.h"
 #include "server/storage/postgres_error.h"
 #include "server/storage/postgres_sql.h"
+#include "server/storage/transaction.h"
 
 namespace axiscal::storage {
 
@@ -161,6 +162,12 @@ class PostgresConnection::Statements final : public Prepared {
   }
 
   absl::Status Run() {
+    if (sql_.text == kRelease) {
+      connection_.owes_release_ = true;
+      return absl::OkStatus();
+    }
+    ASSIGN_OR_RETURN(const bool is_done, connection_.SendRelease(sql_.text));
+    if (is_done) return absl::OkStatus();
     PGconn* const server = connection_.connection_;
     RETURN_IF_ERROR(Prepare(server));
     std::vector<const char*> values;
@@ -286,10 +293,30 @@ absl::Status PostgresConnection::Noted(const char* sqlstate, absl::Status status
   return status;
 }
 
+absl::StatusOr<bool> PostgresConnection::SendRelease(const std::string& sql) {
+  if (!owes_release_) return false;
+  owes_release_ = false;
+  if (sql == "COMMIT" || sql == "ROLLBACK") return false;  // which end all savepoints
+  const bool is_next = sql == kSavepoint;
+  RETURN_IF_ERROR(Execute(is_next ? absl::StrCat(kRelease, "; ", kSavepoint) : kRelease));
+  return is_next;
+}
+
 absl::Status PostgresConnection::Reconnect() {
+  owes_release_ = false;
+  is_settled_ = false;
   PQreset(connection_);
   ++connections_;
-  return Settle(false);
+  absl::Status settled = Settle(false);
+  if (settled.ok() && check_) settled = check_(*this);
+  if (!settled.ok()) {
+    // Whoever waits until nobody has the store need not wait for one that cannot use it.
+    if (access_ == Access::kWrite && PQstatus(connection_) == CONNECTION_OK)
+      Execute("SELECT pg_advisory_unlock_all()").IgnoreError();
+    return settled;
+  }
+  is_settled_ = true;
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::unique_ptr<Prepared>> PostgresConnection::Compile(const std::string& sql) {
@@ -308,7 +335,7 @@ absl::Status PostgresConnection::Execute(const std::string& script) {
 }
 
 absl::Status PostgresConnection::Begin(Access access) {
-  was_undone_ = false;
+  was_undone_ = owes_release_ = false;
   // Each statement behind the lock sees all that was committed before it: the writers of all processes are as serial as
   // those of one, and what they number is seen in the order of its numbers.
   const std::string write = hold_ == Hold::kAlone ? "BEGIN"
@@ -317,9 +344,9 @@ absl::Status PostgresConnection::Begin(Access access) {
                                                                  "); SET LOCAL lock_timeout = '", kLockWait, "'");
   const std::string sql = access == Access::kWrite ? write : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
   absl::Status begun = absl::OkStatus();
-  if (PQstatus(connection_) == CONNECTION_OK) begun = Execute(sql);
+  if (PQstatus(connection_) == CONNECTION_OK && is_settled_) begun = Execute(sql);
   // A server that went away shows only now. Nothing has been done yet.
-  if (PQstatus(connection_) != CONNECTION_OK) {
+  if (PQstatus(connection_) != CONNECTION_OK || !is_settled_) {
     RETURN_IF_ERROR(Reconnect());
     begun = Execute(sql);
   }

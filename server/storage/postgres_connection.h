@@ -7,6 +7,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_POSTGRES_CONNECTION_H_
 #define AXISCAL_SERVER_STORAGE_POSTGRES_CONNECTION_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -39,6 +40,10 @@ class PostgresConnection final : public Connection {
                                                                   Hold hold = Hold::kAlone);
   ~PostgresConnection() override;
 
+  // Asked each time that it has connected again, before anything else is: what it refuses is the answer of whoever
+  // begins a transaction, until it refuses no more. The store is not held meanwhile.
+  void CheckAfterReconnect(std::function<absl::Status(Connection&)> check) { check_ = std::move(check); }
+
   absl::StatusOr<bool> HasTable(const std::string& name) override;
   absl::Status Execute(const std::string& script) override;
   // Connects again where the connection was lost meanwhile.
@@ -58,6 +63,8 @@ class PostgresConnection final : public Connection {
   std::string AskingForId(const std::string& sql) const override { return sql + " RETURNING id"; }
   std::optional<int64_t> last_id() const override { return std::nullopt; }
   absl::StatusOr<std::unique_ptr<Prepared>> Compile(const std::string& sql) override;
+  // Before `sql` is run: sends a RELEASE that waits for company. Whether `sql` has been done with it.
+  absl::StatusOr<bool> SendRelease(const std::string& sql);
   absl::Status Settle(bool is_first);
   absl::Status Reconnect();
   // UNAVAILABLE STORE_LOCKED.
@@ -70,8 +77,13 @@ class PostgresConnection final : public Connection {
   const Access access_;
   const Hold hold_;
   pg_conn* const connection_;
+  std::function<absl::Status(Connection&)> check_;  // may be empty
+  bool is_settled_ = true;                          // since it connected last
   int64_t changed_rows_ = 0;
   bool was_undone_ = false;
+  // A savepoint is over, which the server has not been told: it goes with the next one, or with the end of the
+  // transaction, as each answer costs a way there and back.
+  bool owes_release_ = false;
   bool is_alone_ = false;  // shares the store, but keeps others off still
   // What has a name on the server: a new connection knows none of them.
   int64_t connections_ = 1, statements_ = 0;

@@ -13,12 +13,17 @@
 namespace axiscal::storage {
 namespace {
 
+absl::Status CheckStillRuns(Connection& connection) { return CheckPostgresSchema(connection, PostgresMigrations()); }
+
 class PostgresEngine final : public Engine {
  public:
   explicit PostgresEngine(std::string url) : url_(std::move(url)) {}
 
   absl::StatusOr<std::unique_ptr<Connection>> OpenReader() override {
-    return PostgresConnection::Open(url_, Access::kReadOnly);
+    ASSIGN_OR_RETURN(std::unique_ptr<PostgresConnection> connection, PostgresConnection::Open(url_, Access::kReadOnly));
+    RETURN_IF_ERROR(CheckStillRuns(*connection));
+    connection->CheckAfterReconnect(CheckStillRuns);
+    return connection;
   }
   // Its disk is the server's business; a full one is DISK_FULL.
   absl::Status CheckRoom() const override { return absl::OkStatus(); }
@@ -45,6 +50,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenPostgres(const PostgresOptions& op
                      PostgresConnection::Open(options.url, Access::kWrite, Hold::kShared));
     RETURN_IF_ERROR(MigratePostgres(*connection, PostgresMigrations(), options.clock->UtcNow(), NewerSchema::kRunOn));
     RETURN_IF_ERROR(RefuseUnfinishedCopy(*connection));
+    connection->CheckAfterReconnect(CheckStillRuns);
     return SqlStore::Open({options.rescued, options.damaged, options.clock},
                           std::make_unique<PostgresEngine>(options.url), std::move(connection));
   };

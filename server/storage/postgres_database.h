@@ -30,7 +30,9 @@ struct PostgresOptions {
 //   brings it up to date for longer than half a minute: UNAVAILABLE STORE_LOCKED; not ours, or
 //   of a newer version: FAILED_PRECONDITION NOT_A_DATABASE, SCHEMA_NEWER, SCHEMA_CHANGED.
 // A server that goes away meanwhile is connected to again by the next call. A write under way then returns UNAVAILABLE
-// STORE_DOWN; it may have been committed.
+// STORE_DOWN; it may have been committed. Each connection that is new looks whether this program may still run on the
+// tables: where others have brought them to a version that does not allow it, all calls return FAILED_PRECONDITION
+// SCHEMA_NEWER; where an older backup was put in their place, SCHEMA_OLDER.
 // No call may be under way when it is destroyed.
 absl::StatusOr<std::unique_ptr<Database>> OpenPostgres(const PostgresOptions& options);
 

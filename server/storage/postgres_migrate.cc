@@ -72,19 +72,36 @@ absl::Status ApplyToServer(Connection& connection, const Migration& migration, b
   return transaction.Commit();
 }
 
-}  // namespace
-
-absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now,
-                             NewerSchema newer) {
-  RETURN_IF_ERROR(CheckEncoding(connection));
-  ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
+// `version` is what the database has.
+absl::Status CheckApplied(Connection& connection, const std::vector<Migration>& migrations, int64_t version,
+                          NewerSchema newer) {
   const int64_t ours = migrations.empty() ? 0 : migrations.back().version;
   int64_t checked = version;
   if (version > ours && newer == NewerSchema::kRunOn) {
     ASSIGN_OR_RETURN(const int64_t oldest, OldestOf(connection, version));
     if (oldest <= ours) checked = ours;
   }
-  if (version > 0) RETURN_IF_ERROR(CheckMigrations(connection, migrations, checked));
+  return version > 0 ? CheckMigrations(connection, migrations, checked) : absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status CheckPostgresSchema(Connection& connection, const std::vector<Migration>& migrations) {
+  ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
+  if (const int ours = migrations.back().version; version < ours) {
+    return FailedPrecondition(absl::StrCat("schema version ", version, " is older than ", ours,
+                                           ", with which this program has run: start it again, which brings it up to "
+                                           "date"),
+                              "SCHEMA_OLDER");
+  }
+  return CheckApplied(connection, migrations, version, NewerSchema::kRunOn);
+}
+
+absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now,
+                             NewerSchema newer) {
+  RETURN_IF_ERROR(CheckEncoding(connection));
+  ASSIGN_OR_RETURN(const int64_t version, PresentVersion(connection));
+  RETURN_IF_ERROR(CheckApplied(connection, migrations, version, newer));
   for (const Migration& migration : migrations) {
     if (migration.version <= version) continue;
     RETURN_IF_ERROR(base::Within("migration postgresql/" + migration.name, ApplyToServer(connection, migration, now)));

@@ -23,6 +23,12 @@ enum class NewerSchema {
 absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now,
                              NewerSchema newer = NewerSchema::kRefused);
 
+// Whether a program of these migrations, the last of which it has seen applied, may still run on the database: others
+// may have been at it while it had lost its connection. Changes nothing.
+//   FAILED_PRECONDITION NOT_A_DATABASE, SCHEMA_NEWER, SCHEMA_CHANGED as MigratePostgres(); SCHEMA_OLDER: it lacks some,
+//   as an older backup does, which a program that starts applies.
+absl::Status CheckPostgresSchema(Connection& connection, const std::vector<Migration>& migrations);
+
 }  // namespace axiscal::storage
 
 #endif  // AXISCAL_SERVER_STORAGE_POSTGRES_MIGRATE_H_

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/error_detail.h"
+#include "core/base/sha256.h"
 #include "server/storage/migrate.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -177,6 +178,44 @@ TEST(PostgresStore, GoesOnWhenItsConnectionsAreLost) {
   }
   EXPECT_TRUE(database->ReadSession(id).ok());
   EXPECT_TRUE(database->CheckAudit().ok());
+}
+
+// The server was away, and those who came back first are of a newer version.
+TEST(PostgresStore, RefusesASchemaThatBecameNewerWhileItWasAway) {
+  if (TestServer::present == nullptr) GTEST_SKIP() << "needs storage_test --store=postgresql";
+  TempDatabase database;
+  const SessionId id = StoreSession(*database, 3);
+  const auto change = [&](const std::string& sql) {
+    const absl::Status done = database.Beside()->Execute(
+        sql +
+        "; SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND datname = "
+        "current_database()");
+    ASSERT_TRUE(done.ok()) << done;
+  };
+  const auto expect = [&](const std::string& reason, const std::string& machine) {
+    for (int i = 0; i < 2; ++i) {  // a second call meets the connection that the first one has made
+      const auto created = database->CreateMachine(MachineId(machine), "{}", Cell(""));
+      EXPECT_EQ(base::ErrorReason(created.status()), reason) << created.status();
+      EXPECT_EQ(base::ErrorReason(database->GetSession(id).status()), reason);
+      if (reason.empty()) return;
+    }
+  };
+  const std::string ours = absl::StrCat(PostgresMigrations().back().version);
+  const std::string newer = absl::StrCat(PostgresMigrations().back().version + 1);
+  // Newer, but this program may run on it.
+  change("INSERT INTO migration VALUES (" + newer + ", 'newer', 'x', 1)");
+  change("INSERT INTO given_number VALUES ('oldest_program', " + ours +
+         ") ON CONFLICT (name) DO UPDATE SET seq = " + ours);
+  expect("", "m1");
+  change("UPDATE given_number SET seq = " + newer + " WHERE name = 'oldest_program'");
+  expect("SCHEMA_NEWER", "m2");
+  // It keeps nobody off who wants the store alone.
+  EXPECT_TRUE(PostgresConnection::Open(database.url(), Access::kWrite).ok());
+  change("DELETE FROM migration WHERE version >= " + ours);
+  expect("SCHEMA_OLDER", "m2");
+  change("INSERT INTO migration VALUES (" + ours + ", 'ours', '" + base::Sha256Hex(PostgresMigrations().back().sql) +
+         "', 1)");
+  expect("", "m2");
 }
 
 }  // namespace

@@ -19,18 +19,18 @@ absl::Status Transaction::Commit() {
 }
 
 absl::StatusOr<Savepoint> Savepoint::Begin(Connection& connection) {
-  RETURN_IF_ERROR(connection.Run("SAVEPOINT one"));
+  RETURN_IF_ERROR(connection.Run(kSavepoint));
   return Savepoint(connection);
 }
 
 Savepoint::~Savepoint() {
   if (connection_ == nullptr || !connection_->in_transaction()) return;
   connection_->Run("ROLLBACK TO one").IgnoreError();
-  connection_->Run("RELEASE one").IgnoreError();
+  connection_->Run(kRelease).IgnoreError();
 }
 
 absl::Status Savepoint::Commit() {
-  RETURN_IF_ERROR(connection_->Run("RELEASE one"));
+  RETURN_IF_ERROR(connection_->Run(kRelease));
   connection_ = nullptr;
   return absl::OkStatus();
 }

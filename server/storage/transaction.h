@@ -8,6 +8,9 @@
 
 namespace axiscal::storage {
 
+// One savepoint at a time. An engine that is far away tells them apart from other statements.
+inline constexpr char kSavepoint[] = "SAVEPOINT one", kRelease[] = "RELEASE one";
+
 class Transaction {
  public:
   // As Connection::Begin() says.

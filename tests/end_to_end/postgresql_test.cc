@@ -4,8 +4,10 @@
 
 #include <fstream>
 #include <memory>
+#include <thread>
 
 #include "core/base/error_detail.h"
+#include "server/storage/postgres_connection.h"
 #include "server/storage/testing/postgres_server.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
@@ -105,6 +107,35 @@ TEST_F(OnPostgres, AJobOfAServerThatWasKilledIsDoneOnceByTheNext) {
   EXPECT_EQ(ended->state, records::JobState::kSucceeded);
   EXPECT_EQ(ended->attempt, 2);
   EXPECT_EQ(client->ListCalibrations()->rows.size(), 1u);
+}
+
+// Others have brought the tables to a version that it does not know while its connections were lost.
+TEST_F(OnPostgres, AServerThatIsTooOldByNowIsNotReadyAndSaysWhy) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  EXPECT_TRUE(client->CheckHealth().ok());
+  const auto change = [&](const std::string& sql) {
+    const auto other = storage::PostgresConnection::Open(url_, storage::Access::kWrite, storage::Hold::kShared);
+    ASSERT_OK(other);
+    ASSERT_OK((*other)->Execute(
+        sql +
+        "; SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND datname = "
+        "current_database()"));
+  };
+  const auto wait_for_health = [&](bool is_good) {
+    while (client->CheckHealth().ok() != is_good) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  };
+  change(
+      "INSERT INTO migration VALUES (9999, 'newer', 'x', 1); UPDATE given_number SET seq = 9999 WHERE name = "
+      "'oldest_program'");
+  wait_for_health(false);
+  EXPECT_EQ(base::ErrorReason(client->CreateMachine(MachineJson("mt")).status()), "SCHEMA_NEWER");
+  EXPECT_THAT(Log(), HasSubstr("SCHEMA_NEWER"));
+  change("DELETE FROM migration WHERE version = 9999");
+  wait_for_health(true);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
 }
 
 // Whoever copies it, here with nothing in it, wants it alone.
