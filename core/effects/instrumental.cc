@@ -12,7 +12,7 @@ using instruments::Distortion;
 using instruments::MeasuringRun;
 
 // Those that take all amplitudes they can at once pay by their evidence; the others are one number.
-bool IsOneNumber(const Distortion& one) { return one.kind == Distortion::kScale || one.kind == Distortion::kClock; }
+bool IsOneNumber(const Distortion& one) { return one.kind == Distortion::kScale; }
 
 }  // namespace
 
@@ -55,7 +55,12 @@ std::vector<Distortion> DistortionsOf(const std::vector<MeasuringRun>& runs) {
     }
     for (const double tau_s : kTimeConstantsS)
       if (to_s > from_s) add({.kind = Distortion::kGrowth, .tau_s = tau_s, .amplitude_mm = {}, .sigma_mm = {}});
-    add({.kind = Distortion::kClock, .amplitude_mm = {}, .sigma_mm = {}});
+    if (to_s > from_s)
+      add({.kind = Distortion::kClock,
+           .from_s = from_s,
+           .length_s = to_s - from_s,
+           .amplitude_mm = {},
+           .sigma_mm = {}});
   }
   return out;
 }

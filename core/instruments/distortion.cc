@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/demand.h"
+#include "core/instruments/motion.h"
 #include "core/shapes/state.h"
 
 namespace axiscal::instruments {
@@ -39,6 +40,23 @@ void BallHarmonics(const Vector3d& d, double* out) {
       if (m > 0) *out++ = legendre[degree - 2][m] * powers[m].imag();
     }
   }
+}
+
+// From the middle of a time, of its half length.
+double ShareOf(double from_s, double length_s, double time_s) {
+  return length_s > 0.0 ? 2.0 * (time_s - from_s) / length_s - 1.0 : 0.0;
+}
+
+// The speed of an axis, and by how much it differs from that on the way to a reading and on the way from it.
+void SpeedsAt(const MeasuringRun& run, int reading, int axis, double* speeds) {
+  const double speed = run.axis_states[static_cast<size_t>(reading) * run.axis_count + axis].speed;
+  const auto on_the_way = [&](int from, int to) {
+    if (from < 0 || to >= run.reading_count()) return speed;
+    return SpeedOf(run.PositionsOf(to)[axis] - run.PositionsOf(from)[axis], run.time_s[to] - run.time_s[from]);
+  };
+  speeds[0] = speed;
+  speeds[1] = on_the_way(reading - 1, reading) - speed;
+  speeds[2] = on_the_way(reading, reading + 1) - speed;
 }
 
 bool ReadsBall(const MeasuringRun& run) { return run.kind == Kind::kBallbar || run.kind == Kind::kRtest; }
@@ -97,8 +115,9 @@ int AmplitudeCount(const Distortion& distortion, int row_count) {
     case Distortion::kGain:
       return row_count * row_count;
     case Distortion::kScale:
-    case Distortion::kClock:
       return 1;
+    case Distortion::kClock:
+      return kClockSpeeds;
     case Distortion::kBall:
       return 5 + 7 + 9;
     case Distortion::kLobes:
@@ -122,6 +141,8 @@ std::vector<double> SpectrumOf(const Distortion& distortion, int row_count) {
       const double j = static_cast<double>(k / 3 + 1) / 2.0;
       spectrum[k] = 1.0 / (1.0 + j * j);
     }
+  } else if (distortion.kind == Distortion::kClock) {  // half of the delay
+    std::fill(spectrum.begin() + 1, spectrum.end(), 0.25);
   }
   return spectrum;
 }
@@ -195,8 +216,13 @@ void AddDistortionsOf(const std::vector<MeasuringRun>& like, std::vector<Measuri
 }
 
 void MotionWeights(const Distortion& motion, double time_s, double* weights) {
-  const double share = motion.length_s > 0.0 ? (time_s - motion.from_s) / motion.length_s : 0.0;
+  const double share = 0.5 * (1.0 + ShareOf(motion.from_s, motion.length_s, time_s));
   for (int j = 0; j < kMotionFunctions; ++j) weights[j] = std::cos(std::numbers::pi * (j + 1) * share);
+}
+
+void ClockSpeeds(const Distortion& clock, const MeasuringRun& run, int reading, int axis, double* speeds) {
+  SpeedsAt(run, reading, axis, speeds);
+  speeds[kClockSpeeds - 1] = ShareOf(clock.from_s, clock.length_s, run.time_s[reading]) * speeds[0];
 }
 
 void DistortionBasis(const Distortion& distortion, const SoundRow& row, double* basis) {
@@ -234,7 +260,8 @@ void DistortionBasis(const Distortion& distortion, const SoundRow& row, double* 
       return;
     }
     case Distortion::kClock:
-      basis[0] = row.by_clock;
+      std::copy(row.by_clock, row.by_clock + kClockSpeeds - 1, basis);
+      basis[kClockSpeeds - 1] = ShareOf(distortion.from_s, distortion.length_s, row.time_s) * row.by_clock[0];
       return;
   }
 }
@@ -275,12 +302,11 @@ void FillSoundRows(const machine::Machine& machine, const MeasuringRun& run, int
   FillMoment(run, reading, rows);
   if (needs_contact) FillContact(machine, run, reading, rows);
   const Eigen::Index tool = machine::kComponents * Eigen::Index{machine.tool_joint()};
-  const shapes::State state = run.StateOf(reading);
   for (int i = 0; i < run.row_count; ++i) {
     for (int j = 0; j < run.row_count; ++j) rows[i].sound_mm[j] = sound.predicted_mm[j];
     rows[i].by_table = sound.by_setup.row(i).head<3>();
     rows[i].by_tool = sound.by_error.row(i).segment<3>(tool);
-    rows[i].by_clock = 0.0;
+    std::fill(std::begin(rows[i].by_clock), std::end(rows[i].by_clock), 0.0);
     for (int axis = 0; axis < machine.axis_count(); ++axis) {
       const bool is_rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
       const machine::ErrorVector<double>& error = errors[axis];
@@ -288,8 +314,11 @@ void FillSoundRows(const machine::Machine& machine, const MeasuringRun& run, int
       // A linear axis moves along the direction that its error turned.
       const Vector3d along =
           is_rotary ? direction : Vector3d(geometry::RotationXyz(error[3], error[4], error[5]) * direction);
-      rows[i].by_clock -= sound.by_error.row(i).segment<3>(machine::kComponents * axis + 3 * is_rotary).dot(along) *
-                          state.axes[axis].speed / kClockSpeedMmPerS;
+      const double by_move = sound.by_error.row(i).segment<3>(machine::kComponents * axis + 3 * is_rotary).dot(along);
+      double speeds[kClockSpeeds - 1];
+      if (run.has_time) SpeedsAt(run, reading, axis, speeds);
+      for (int j = 0; run.has_time && j < kClockSpeeds - 1; ++j)
+        rows[i].by_clock[j] -= by_move * speeds[j] / kClockSpeedMmPerS;
     }
   }
 }

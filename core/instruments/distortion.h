@@ -9,7 +9,10 @@
 //                                                  the tool); real harmonics of degree l = 2 to 4, m = 1 to 3
 //   growth  a_i (1 - exp(-t / tau))                t: since the session's first reading
 //   motion  sum_j a_j cos(pi j (t - from) / length) of what the table or the tool holder carries, in its frame, j = 1
-//   .. clock   the axes stand where they did a / (1 m/min) before
+//   ..
+//   clock   each axis is behind by sum_j a_j w_j /  w: its speed v; the speed of the way to this reading less v, that
+//           (1 m/min)                               of the way from it less v, as the path between readings is not
+//                                                   known; and v (2 (t - from) / length - 1), of clocks that run apart
 // All amplitudes are mm: a gain's at a reading of 50 um, a scale's per K at 1 m, a clock's at 1 m/min.
 #ifndef AXISCAL_CORE_INSTRUMENTS_DISTORTION_H_
 #define AXISCAL_CORE_INSTRUMENTS_DISTORTION_H_
@@ -26,6 +29,7 @@ inline constexpr double kGainReadingMm = 0.05;              // as R-tests and ba
 inline constexpr double kScaleLengthMm = 1000.0;            // 1 m
 inline constexpr double kClockSpeedMmPerS = 1000.0 / 60.0;  // 1 m/min
 inline constexpr int kMotionFunctions = 8;                  // as finely as half an eighth of the time
+inline constexpr int kClockSpeeds = 4;
 
 // Whether a session's instrument can have it, and its columns can show it.
 bool CanHave(const MeasuringRun& run, const Distortion& distortion);
@@ -58,9 +62,9 @@ struct SoundRow {
   double since_start_s = 0.0, time_s = 0.0, warmer_kelvin = 0.0;
   // Unit, in the frame of the ball's carrier; zero where no ball is touched.
   Eigen::Vector3d contact_in_table = Eigen::Vector3d::Zero(), contact_in_tool = Eigen::Vector3d::Zero();
-  // Derivatives of the row by shifts of what table and tool holder carry, and by the clock's amplitude.
+  // Derivatives of the row by shifts of what table and tool holder carry, and by a clock's amplitudes but the last.
   Eigen::RowVector3d by_table = Eigen::RowVector3d::Zero(), by_tool = Eigen::RowVector3d::Zero();
-  double by_clock = 0.0;
+  double by_clock[kClockSpeeds - 1] = {};
 };
 
 // d(reading) / d(amplitude) of each amplitude.
@@ -68,6 +72,8 @@ void DistortionBasis(const Distortion& distortion, const SoundRow& row, double* 
 
 // The weights of a motion's functions at a time; kMotionFunctions numbers.
 void MotionWeights(const Distortion& motion, double time_s, double* weights);
+// What a clock's amplitudes count of an axis at a reading, mm/s or rad/s; kClockSpeeds numbers.
+void ClockSpeeds(const Distortion& clock, const MeasuringRun& run, int reading, int axis, double* speeds);
 
 // The rows of a reading as a sound instrument would read it under these errors: `sound` is its evaluation.
 void FillSoundRows(const machine::Machine& machine, const MeasuringRun& run, int reading,

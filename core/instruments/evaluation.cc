@@ -77,9 +77,10 @@ void Distort(const machine::Machine& machine, const MeasuringRun& run, int readi
     if (distortion.carrier == Carrier::kTool) return Shift(machine.tool_joint(), moved_mm, &out->errors);
     for (int k = 0; k < 3; ++k) out->setup[k] += moved_mm[k];
   } else if (distortion.kind == Distortion::kClock) {
-    const double delay_s = *amplitude / kClockSpeedMmPerS;
     for (int axis = 0; axis < machine.axis_count(); ++axis) {
-      const double behind = -delay_s * run.StateOf(reading).axes[axis].speed;
+      double speeds[kClockSpeeds], behind = 0.0;
+      ClockSpeeds(distortion, run, reading, axis, speeds);
+      for (int j = 0; j < kClockSpeeds; ++j) behind -= amplitude[j] / kClockSpeedMmPerS * speeds[j];
       if (machine.axes[axis].kind == machine::AxisKind::kLinear) {
         Shift(axis, behind * TurnedDirection(machine, axis, out->errors), &out->errors);
       } else {

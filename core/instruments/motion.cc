@@ -11,12 +11,11 @@ namespace {
 // them would be without bound.
 constexpr double kOneMomentS = 1e-6;
 
-// 0 where nothing moves or no time has passed.
+}  // namespace
+
 double SpeedOf(double change, double elapsed_s) {
   return change != 0.0 && elapsed_s > kOneMomentS ? change / elapsed_s : 0.0;
 }
-
-}  // namespace
 
 void FirstMotion::Add(const double* positions, const double* time_s) {
   const double elapsed_s = time_s != nullptr ? *time_s - last_time_s_ : 0.0;

@@ -15,6 +15,9 @@
 
 namespace axiscal::instruments {
 
+// Of the way from one moment to the next; 0 where nothing moves or no time has passed.
+double SpeedOf(double change, double elapsed_s);
+
 // How each axis starts: what the first position is taken to be approached with, known once the axis has moved.
 class FirstMotion {
  public:

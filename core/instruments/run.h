@@ -78,7 +78,7 @@ struct Distortion {
   Carrier carrier = Carrier::kTool;     // of kBall, kLobes: of the ball; of kMotion
   int order = 0;                        // of kLobes
   double tau_s = 0.0;                   // of kGrowth: time constant
-  double from_s = 0.0, length_s = 0.0;  // of kMotion: the time in which it moves
+  double from_s = 0.0, length_s = 0.0;  // of kMotion, kClock: the time over which it may change
   double variance_mm2 = 0.0;  // of an amplitude of spectrum 1, where it is known: then its prior, else a weak one
 
   // Once found: the amplitudes that all its sessions have in common, and how far one session's may be from them, mm.

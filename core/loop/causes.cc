@@ -83,8 +83,9 @@ std::string CorrectionOf(const Distortion& one, const std::vector<Mean>& means, 
       return with("state the expansion of the instrument's length, or correct it for temperature",
                   Clear(means, nothing, 1e6 / instruments::kScaleLengthMm, "um/m/K"));
     case Distortion::kClock:
+      // The speeds beside the first do not change how late it is.
       return with("set the instrument's clock by the control's; it reads late by",
-                  Clear(means, nothing, 1e3 / instruments::kClockSpeedMmPerS, "ms"));
+                  Clear({means.front()}, {""}, 1e3 / instruments::kClockSpeedMmPerS, "ms"));
     case Distortion::kBall:
     case Distortion::kLobes:
       return absl::StrFormat("clean, check or change the ball; it is off by %.2g um, root of the sum of squares",
