@@ -78,13 +78,15 @@ class Decider {
     ending.fit = *std::move(declared);
     report.fit_before = ending.fit.result.fit;
     report.declared = ending.fit.result.model;
+    const identify::Result of_declared = ending.fit.result;
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
     ASSIGN_OR_RETURN(report.check_before, CheckStatistics(ending.fit, &loop::SessionResiduals::before_mm, &report));
     if (nominal) {  // errors that are looked for now would stand for it
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
       report.causes.push_back(*nominal);
       report.verdict = loop::Verdict::kUnexplained;
-      RETURN_IF_ERROR(HoldBack(machine_, ending.extension, ending.fit, policy_, identify_options_, &report));
+      RETURN_IF_ERROR(
+          HoldBack(machine_, ending.extension, ending.fit, of_declared, policy_, identify_options_, &report));
       report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
       return report;
     }
@@ -114,7 +116,7 @@ class Decider {
       report.unexplained.insert(report.unexplained.end(), sessions.begin(), sessions.end());
     }
     // Before anything is added to what was fitted: it may be fitted again.
-    RETURN_IF_ERROR(HoldBack(machine_, ending.extension, ending.fit, policy_, identify_options_, &report));
+    RETURN_IF_ERROR(HoldBack(machine_, ending.extension, ending.fit, of_declared, policy_, identify_options_, &report));
     ASSIGN_OR_RETURN(const std::vector<reports::WarningFacts> datum,
                      loop::ProposeDatum(ending.fit, ending.extension, identify_options_));
     report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());

@@ -30,7 +30,8 @@ Extension Without(Extension extension, std::vector<size_t> effects) {
 }  // namespace
 
 absl::Status HoldBack(const machine::Machine& machine, const Extension& extension, const identify::Fit& fit,
-                      const objective::Policy& policy, const identify::Options& options, loop::Report* report) {
+                      const identify::Result& declared, const objective::Policy& policy,
+                      const identify::Options& options, loop::Report* report) {
   const auto over = [&](const machine::ErrorModel& before) {
     return predict::BoxOdds::Over(machine, fit.problem.runs, before, KnownOf(machine, fit.result), report->choices);
   };
@@ -100,6 +101,13 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   if (!report->volumetric->is_gain_held && !kept.empty()) {
     while (!kept.empty()) hold_back(kept.begin(), true);
     RETURN_IF_ERROR(fit_again());
+    take_figures();
+  }
+  const predict::VolumetricError& left = *report->volumetric;
+  if (!left.is_gain_held && left.after.expected_mm > (1.0 - policy.harm_share) * left.before.expected_mm) {
+    std::vector<identify::Outlier> outliers = std::move(report->fitted.outliers);  // bad readings are bad for any model
+    report->fitted = declared;
+    report->fitted.outliers = std::move(outliers);
     take_figures();
   }
   return absl::OkStatus();
