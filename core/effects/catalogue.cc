@@ -115,6 +115,10 @@ class Builder {
     item.group.is_exotic = loop::IsFurther(one.family);
     // Where a tool or a table stands is nominal data; of a lag only differences bend a path.
     item.group.has_usual_size = one.family != Family::kConstant && one.family != Family::kLag;
+    // What an axis loses on its way: none of it gives back what another takes.
+    if (std::holds_alternative<shapes::Play>(one.term.shape) ||
+        std::holds_alternative<shapes::Backlash>(one.term.shape))
+      item.group.one_sign = item.sensitivity;
     if (shapes::IsFree(one.term.shape)) {
       item.group.spectrum.resize(shapes::BasisCount(one.term.shape));
       for (int i = 0; i < item.group.spectrum.size(); ++i) {
@@ -219,7 +223,8 @@ class Builder {
   static double LargestAmplitudeOf(const Candidate& one, double largest_value) {
     const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
     constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
-    const bool is_play = one.family == Family::kBacklash || one.family == Family::kReversal;
+    const bool is_play =
+        one.family == Family::kBacklash || one.family == Family::kReversal || one.family == Family::kHysteresis;
     constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
     constexpr double kWarmMm = 0.5, kWarmRad = 2e-3;  // of what warms up late: beyond, it is a lag longer than the data
     const bool is_warm = one.family == Family::kThermalLag;
@@ -233,17 +238,21 @@ class Builder {
   }
 
   void AddAtJoint(Family family, int joint, const shapes::Shape& shape, std::vector<Candidate>* candidates) const {
-    for (int component = 0; component < machine::kComponents; ++component) {
-      Candidate one;
-      one.family = family;
-      one.term = {joint, static_cast<machine::Component>(component), shape, {}};
-      const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
-        return known.family == family && loop::IsSameEffect(known.term, one.term) &&
-               std::abs(PlaceOf(known.term.shape) - PlaceOf(shape)) < kApart &&
-               (shapes::CurveOf(shape) == nullptr || known.term.shape == shape);
-      });
-      if (!is_known) candidates->push_back(one);
-    }
+    for (int component = 0; component < machine::kComponents; ++component)
+      AddComponent(family, {joint, static_cast<machine::Component>(component), shape, {}}, candidates);
+  }
+
+  void AddComponent(Family family, const machine::ErrorTerm& term, std::vector<Candidate>* candidates) const {
+    const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+      return known.family == family && loop::IsSameEffect(known.term, term) &&
+             std::abs(PlaceOf(known.term.shape) - PlaceOf(term.shape)) < kApart &&
+             (shapes::CurveOf(term.shape) == nullptr || known.term.shape == term.shape);
+    });
+    if (is_known) return;
+    Candidate one;
+    one.family = family;
+    one.term = term;
+    candidates->push_back(one);
   }
 
   // Free curves and what remembers temperatures, which the dictionary does not have.
@@ -255,6 +264,7 @@ class Builder {
     AddCurves(candidates);
     AddCrossed(candidates);
     AddUnrecordedHeat(candidates);
+    AddHysteresis(candidates);
   }
 
   // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
@@ -369,6 +379,26 @@ class Builder {
         const shapes::DriftExp warming{share * last_s, machine::TimesPositionOf(machine_, axis)};
         AddAtJoint(Family::kThermalLag, axis, warming, candidates);
       }
+    }
+  }
+
+  // How far an axis came, along its own motion. Elements of friction (shapes::Play) are no candidates: with them a
+  // smooth straightness was taken for three local defects and a harmonic.
+  void AddHysteresis(std::vector<Candidate>* candidates) const {
+    constexpr double kStep = 4.0;       // between lengths: the search moves each by up to half of it
+    constexpr double kSaturated = 0.5;  // of the finest step: shorter ones are plain backlash in all readings
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      const loop::AxisSpan& span = spans_[axis];
+      if (!span.has_both_senses || span.finest_step == 0.0) continue;
+      const machine::Component along = machine::PositioningOf(machine_, axis);
+      double longest = 0.0;
+      for (const MeasuringRun& run : plain_.runs) {
+        for (int k = 1; k < run.reading_count(); ++k)
+          longest = std::max(longest, std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]));
+      }
+      // Longer than half of the longest move it is a line, and what a long move would do is not known.
+      for (double length = 0.5 * longest; length > kSaturated * span.finest_step; length /= kStep)
+        AddComponent(Family::kHysteresis, {axis, along, shapes::LastMove{axis, length}, {}}, candidates);
     }
   }
 

@@ -1,5 +1,6 @@
 #include "core/instruments/motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/instruments/run.h"
@@ -10,6 +11,21 @@ namespace {
 // Moments closer than that are one moment: no clock of an instrument or a control tells them apart, and speeds between
 // them would be without bound.
 constexpr double kOneMomentS = 1e-6;
+
+// An axis goes the other way from a position on.
+void Turn(double position, shapes::AxisState* state) {
+  std::copy_backward(state->turned_at.begin(), state->turned_at.end() - 1, state->turned_at.end());
+  state->turned_at.front() = position;
+}
+
+// A loop that is closed is forgotten: where the axis turned into it and out of it.
+void GoBeyondTurns(shapes::AxisState* state) {
+  std::array<double, shapes::kTurns>& turns = state->turned_at;
+  while (state->sense * (state->position - turns[1]) >= 0.0) {
+    std::copy(turns.begin() + 2, turns.end(), turns.begin());
+    std::fill(turns.end() - 2, turns.end(), NAN);
+  }
+}
 
 }  // namespace
 
@@ -55,12 +71,16 @@ void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* sta
       // counts as one.
       const bool is_reversal = sense != state.sense || std::isinf(state.travel_since_reversal);
       state.travel_since_reversal = (is_reversal ? 0.0 : state.travel_since_reversal) + std::abs(change);
+      if (sense != state.sense) Turn(now_[axis].position, &state);
       state.sense = sense;
+      state.last_move = change;
+      GoBeyondTurns(&state);
     }
     const double stated = now.senses != nullptr ? now.senses[axis] : 0.0;
     if (stated != 0.0 && stated != state.sense) {
       state.sense = stated;
       state.travel_since_reversal = 0.0;
+      Turn(state.position, &state);
     }
     now_[axis] = state;
     states[axis] = state;

@@ -50,6 +50,22 @@ TEST(Motion, TravelCountsFromTheLastReversalOrTheStart) {
   EXPECT_EQ(run.axis_states[6].travel_since_reversal, 1.0);
 }
 
+// Loops within loops; one that is closed is forgotten, and of more than are kept the widest.
+TEST(Motion, TurnsAreRememberedUntilTheAxisGoesBeyondThem) {
+  const MeasuringRun run = OneAxis({0, 10, 4, 7, 7, 10, 11, 11, 2});
+  const std::vector<std::vector<double>> expected = {{}, {}, {10}, {4, 10}, {4, 10}, {}, {}, {}, {11}};
+  const double moves[] = {0, 10, -6, 3, 3, 3, 1, 1, -9};
+  for (size_t k = 0; k < expected.size(); ++k) {
+    const shapes::AxisState& state = run.axis_states[k];
+    std::vector<double> turns(state.turned_at.begin(), state.turned_at.end());
+    std::erase_if(turns, [](double at) { return std::isnan(at); });
+    EXPECT_EQ(turns, expected[k]) << k;
+    EXPECT_EQ(state.last_move, moves[k]) << k;
+  }
+  const MeasuringRun deep = OneAxis({0, 10, 1, 9, 2, 8});
+  EXPECT_EQ(deep.axis_states[5].turned_at, (std::array<double, shapes::kTurns>{2, 9, 1}));
+}
+
 TEST(Motion, SpeedIsSignedZeroAtRestAndThatOfTheFirstMoveBeforeIt) {
   const MeasuringRun run = OneAxis({0, 2, 2, 2, -1});
   EXPECT_EQ(run.axis_states[0].speed, 4.0);

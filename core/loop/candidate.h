@@ -29,6 +29,7 @@ enum class Family {
   kThermalLag,
   kCurve,
   kCrossed,
+  kHysteresis,  // the size of the last move
   kTimeCurve,
   kBump,        // unnamed structure along an axis
   kStep,        // unnamed: artefact or probe slipped in one session

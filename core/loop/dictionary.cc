@@ -265,13 +265,8 @@ class Builder {
   std::vector<Candidate> candidates_;
 };
 
-// The component along which the axis itself moves: EXX, ECC.
 bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
-  if (term.joint >= machine.axis_count()) return false;
-  const machine::Axis& axis = machine.axes[term.joint];
-  int along = 0;
-  axis.direction.cwiseAbs().maxCoeff(&along);
-  return static_cast<int>(term.component) == along + (axis.kind == machine::AxisKind::kRotary ? 3 : 0);
+  return term.joint < machine.axis_count() && term.component == machine::PositioningOf(machine, term.joint);
 }
 
 // ISO 230-1 names location errors of rotary axes and squareness of linear ones, which no turn about their own direction
@@ -401,7 +396,7 @@ int Complexity(const Machine& machine, const Candidate& candidate) {
   }
   // Backlash and friction act first along the axis' own motion.
   const bool is_motion = candidate.family == Family::kBacklash || candidate.family == Family::kReversal ||
-                         candidate.family == Family::kLag;
+                         candidate.family == Family::kLag || candidate.family == Family::kHysteresis;
   if (is_motion && !IsPositioning(machine, candidate.term))
     complexity += machine::IsAngle(candidate.term.component) ? 2 : 1;
   if (candidate.family == Family::kConstant) complexity += ConstantComplexity(machine, candidate.term);

@@ -45,6 +45,8 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
       state.travel_since_reversal = uniform(0.0, 0.1 * reach);
       state.speed = state.sense * uniform(0.0, 0.1 * reach);
       state.acceleration = uniform(-0.1 * reach, 0.1 * reach);
+      state.last_move = state.sense * uniform(0.0, 0.1 * reach);
+      state.turned_at[0] = state.position - state.sense * state.travel_since_reversal;
       run.positions.push_back(state.position);
       run.axis_states.push_back(state);
     }

@@ -33,7 +33,7 @@ void NameNonlinear(const Machine& machine, const ErrorTerm& term, NamedNumber* n
     number->unit = is_rotary ? "1/turn" : "rad/mm";
     return;
   }
-  const bool is_length = std::holds_alternative<shapes::Reversal>(term.shape);
+  const bool is_length = shapes::HasLength(term.shape);
   number->name += is_length ? ".length" : ".tau";
   number->unit = !is_length ? "s" : is_rotary ? "deg" : "mm";
   number->factor = is_length && is_rotary ? base::kRadPerDeg : 1.0;

@@ -212,9 +212,12 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
   if (name == shapes::Backlash::kName) return shapes::Backlash{axis};
   if (name == shapes::Lag::kName) return shapes::Lag{axis};
   if (name == shapes::Acceleration::kName) return shapes::Acceleration{axis};
-  if (name == shapes::Reversal::kName) {
-    ASSIGN_OR_RETURN(const double length, PositiveNumber(object, where, is_rotary ? "length_deg" : "length_mm"));
-    return shapes::Reversal{axis, is_rotary ? length * kRadPerDeg : length};
+  if (name == shapes::Reversal::kName || name == shapes::Play::kName || name == shapes::LastMove::kName) {
+    ASSIGN_OR_RETURN(double length, PositiveNumber(object, where, is_rotary ? "length_deg" : "length_mm"));
+    if (is_rotary) length *= kRadPerDeg;
+    if (name == shapes::Play::kName) return shapes::Play{axis, length};
+    if (name == shapes::LastMove::kName) return shapes::LastMove{axis, length};
+    return shapes::Reversal{axis, length};
   }
   return Refuse(where, absl::StrCat("unknown shape '", name, "'"));
 }
@@ -411,9 +414,10 @@ WrittenTerm Written(const ErrorTerm& term, const Machine& machine) {
     written.lobes = lobe->order;
   } else if (std::holds_alternative<shapes::PreTravel>(term.shape)) {
     written.variable = "approach";
-  } else if (const auto* reversal = std::get_if<shapes::Reversal>(&term.shape)) {
+  } else if (shapes::HasLength(term.shape)) {
     const bool is_rotary = IsRotary(machine, *axis);
-    (is_rotary ? written.length_deg : written.length_mm) = is_rotary ? reversal->length * kDegPerRad : reversal->length;
+    const double length = *shapes::NonlinearParameter(term.shape);
+    (is_rotary ? written.length_deg : written.length_mm) = is_rotary ? length * kDegPerRad : length;
   } else if (const auto* drift = std::get_if<shapes::DriftExp>(&term.shape)) {
     written.tau_s = drift->tau_s;
   }

@@ -126,6 +126,8 @@ TEST(ErrorJson, EveryShapeComesBackAsItWasWritten) {
                  {tool, Component::kZ, shapes::DriftExp{1200}, {0.03, 0}},
                  {tool, Component::kX, shapes::Thermal{}, {0.02, 0}},
                  {x, Component::kX, shapes::Acceleration{x}, {-4e-5, 0}},
+                 {x, Component::kX, shapes::Play{x, 0.25}, {-0.003, 0}},
+                 {b, Component::kB, shapes::LastMove{b, 0.5}, {2e-5, 0}},
                  {x, Component::kX, shapes::BacklashCurve{{x, {-100, 300}, 2}}, {0.002, -0.001}},
                  {b, Component::kB, shapes::BacklashCurve{{b, {.is_turn = true}, 2}}, {2e-6, 1e-6}},
                  {x, Component::kX, shapes::DriftExp{900, TimesPositionOf(kMachine, x)}, {0.05, 0}},

@@ -48,6 +48,12 @@ shapes::Times TimesPositionOf(const Machine& machine, int axis) {
   return {axis, is_rotary ? shapes::Times::kReferenceRad : shapes::Times::kReferenceMm};
 }
 
+Component PositioningOf(const Machine& machine, int axis) {
+  int along = 0;
+  machine.axes[axis].direction.cwiseAbs().maxCoeff(&along);
+  return static_cast<Component>(along + (machine.axes[axis].kind == AxisKind::kRotary ? 3 : 0));
+}
+
 ErrorModel DeclaredModel(const Machine& machine) {
   ErrorModel model;
   for (const ErrorSymbol& symbol : machine.declared) model.terms.push_back(ConstantTerm(machine, symbol));

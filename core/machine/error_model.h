@@ -35,6 +35,8 @@ struct ErrorModel {
 
 // The position of an axis as a factor, in the unit that files have of it: per metre or per radian.
 shapes::Times TimesPositionOf(const Machine& machine, int axis);
+// The component along or about which an axis itself moves: X of EXX, C of ECC.
+Component PositioningOf(const Machine& machine, int axis);
 // The constant term of a symbol. DEMANDs that the machine has the joint.
 ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double amplitude = 0.0);
 // The declared constant errors, all zero.

@@ -426,6 +426,10 @@ Score Scorer::ScoreOf(const State& state, double design) {
     const Group& one = group(state[i].group);
     score.amplitude.emplace_back(amplitudes.segment(factor.first[i], one.columns));
     if (score.amplitude.back().cwiseAbs().maxCoeff() > one.largest_amplitude) score.is_possible = false;
+    for (size_t j = 0; one.one_sign >= 0 && j < i; ++j) {
+      if (group(state[j].group).one_sign == one.one_sign && score.amplitude[j][0] * score.amplitude[i][0] < 0.0)
+        score.is_possible = false;
+    }
   }
   if (!score.is_possible) score.objective = std::numeric_limits<double>::infinity();
   return score;

@@ -122,6 +122,28 @@ TEST(Scorer, WhatTheNuisanceExplainsOrAPriorForbidsIsNoEffect) {
   EXPECT_FALSE(scorer.ScoreOf({{1, 0.0}}, 1.0).is_possible);
 }
 
+// Elements of one friction: none gives back what another takes.
+TEST(Scorer, ThoseOfOneSignAreNoOpposites) {
+  Rows rows = MakeRows(15);
+  Eigen::MatrixXd columns(kRows, 2);
+  columns << Harmonics(2).col(0), Harmonics(2).col(2);
+  rows.y += 5.0 * columns.col(0) - 4.0 * columns.col(1);
+  std::vector<Group> groups(2);
+  for (int i = 0; i < 2; ++i) {
+    groups[i].one_sign = 7;
+  }
+  const auto is_possible = [&](double sign) {
+    columns.col(1) *= sign;
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::make_unique<DenseSource>(columns, groups));
+    Scorer scorer(rows, std::move(sources), Policy());
+    EXPECT_TRUE(scorer.ScoreOf({{1, 0.0}}, 1.0).is_possible);
+    return scorer.ScoreOf({{0, 0.0}, {1, 0.0}}, 1.0).is_possible;
+  };
+  EXPECT_FALSE(is_possible(1.0));
+  EXPECT_TRUE(is_possible(-1.0));
+}
+
 // Two columns of which one is the other: no state holds both.
 TEST(Scorer, CombinationsOfEachOtherAreNoState) {
   Rows rows = MakeRows(14);

@@ -26,6 +26,7 @@ struct Group {
   double looks = 1.0;           // for how many its family counts it: less where neighbours are alike
   bool is_counted = true;       // among the effects of which a state holds so many at most
   bool is_exotic = false;       // a plain name rivals it (Policy::exotic)
+  int one_sign = -1;            // of one column: those of one number that act together have the same sign; < 0: none
   // Groups of one kin whose places are less than `apart` from each other are one effect: a state holds one of them.
   // kin < 0: none.
   int kin = -1;

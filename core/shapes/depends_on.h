@@ -15,7 +15,8 @@ inline bool DependsOnTime(const Shape& shape) {
 }
 // From which side an axis came to its position.
 inline bool DependsOnSense(const Shape& shape) {
-  return std::holds_alternative<Backlash>(shape) || std::holds_alternative<BacklashCurve>(shape);
+  return std::holds_alternative<Backlash>(shape) || std::holds_alternative<BacklashCurve>(shape) ||
+         std::holds_alternative<Play>(shape) || std::holds_alternative<LastMove>(shape);
 }
 // One clock of all sessions: what lasts longer than one of them.
 inline bool NeedsOneClock(const Shape& shape) {

@@ -117,6 +117,14 @@ double* NonlinearParameter(Shape& shape) {
 
 const double* NonlinearParameter(const Shape& shape) { return NonlinearParameter(const_cast<Shape&>(shape)); }
 
+bool HasLength(const Shape& shape) {
+  return std::visit(
+      [](const auto& s) {
+        return requires { s.length; };
+      },
+      shape);
+}
+
 void Basis(const Shape& shape, const State& state, double* basis) {
   std::visit([&](const auto& s) { s.template Basis<double>(state, Nonlinear(s), basis); }, shape);
 }

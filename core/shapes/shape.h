@@ -17,8 +17,10 @@
 #include "core/shapes/drift_exp.h"
 #include "core/shapes/harmonic.h"
 #include "core/shapes/lag.h"
+#include "core/shapes/last_move.h"
 #include "core/shapes/linear.h"
 #include "core/shapes/lobe.h"
+#include "core/shapes/play.h"
 #include "core/shapes/quadratic.h"
 #include "core/shapes/reversal.h"
 #include "core/shapes/state.h"
@@ -28,9 +30,9 @@
 
 namespace axiscal::shapes {
 
-using Shape =
-    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump,
-                 Tabulated, PreTravel, Lobe, ThermalLag, Curve, TimeCurve, Crossed, Acceleration, BacklashCurve>;
+using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag,
+                           Bump, Tabulated, PreTravel, Lobe, ThermalLag, Curve, TimeCurve, Crossed, Acceleration,
+                           BacklashCurve, Play, LastMove>;
 
 // "harmonic", "drift-exp": the name in files.
 std::string Name(const Shape& shape);
@@ -65,6 +67,8 @@ std::optional<int> SecondAxis(const Shape& shape);
 // The non-linear parameter (decay length, time constant, a free frequency), or nullptr.
 double* NonlinearParameter(Shape& shape);
 const double* NonlinearParameter(const Shape& shape);
+// The non-linear parameter is a length of the shape's axis, mm or rad.
+bool HasLength(const Shape& shape);
 
 // basis[0 .. BasisCount): the error is the sum of amplitude[i] * basis[i].
 void Basis(const Shape& shape, const State& state, double* basis);

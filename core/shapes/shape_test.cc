@@ -54,6 +54,31 @@ TEST_F(ShapeTest, BasesAreTheFormulasOfTheirHeaders) {
   EXPECT_NEAR(harmonic[1], std::sin(3.6), 1e-15);
 }
 
+// With r = 2: up from far to 10, down to 4, up to 7, down to 6.5.
+TEST_F(ShapeTest, AnElementOfFrictionRemembersWhereTheAxisTurned) {
+  const auto play_at = [&](double position, double sense, std::array<double, kTurns> turned_at) {
+    axes_[0].position = position;
+    axes_[0].sense = sense;
+    axes_[0].turned_at = turned_at;
+    return At(Play{0, 2.0})[0];
+  };
+  EXPECT_EQ(play_at(10.0, 1.0, {kNan, kNan, kNan}), 1.0);
+  EXPECT_EQ(play_at(9.0, -1.0, {10.0, kNan, kNan}), 0.5);   // p = 8
+  EXPECT_EQ(play_at(4.0, -1.0, {10.0, kNan, kNan}), -1.0);  // p = 6
+  EXPECT_EQ(play_at(7.0, 1.0, {4.0, 10.0, kNan}), 0.5);     // p = 6
+  EXPECT_EQ(play_at(6.5, -1.0, {7.0, 4.0, 10.0}), 0.25);
+  double slope = kNan;
+  BasisSlope(Play{0, 2.0}, state_, &slope);
+  const auto with = [&](double r) { return At(Play{0, r})[0]; };
+  EXPECT_NEAR(slope, (with(2.0 + 1e-6) - with(2.0 - 1e-6)) / 2e-6, 1e-6);
+}
+
+TEST_F(ShapeTest, AShortMoveLeavesAPartOfWhatALongOneLeaves) {
+  EXPECT_EQ(At(LastMove{0, 3.0}), std::vector<double>{-1.0});  // none is known: its sense
+  axes_[0].last_move = -6.0;
+  EXPECT_DOUBLE_EQ(At(LastMove{0, 3.0})[0], -(1.0 - std::exp(-2.0)));
+}
+
 TEST_F(ShapeTest, ANodeOfAMapIsOneAtItsPlaceAndNothingAtItsNeighbours) {
   // Axis 0 stands at 125 mm, axis 1 at 1.2 rad.
   EXPECT_EQ(At(Tabulated{0, {125.0, 50.0, 50.0}, false, {}, -1, {}})[0], 1.0);

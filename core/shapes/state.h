@@ -3,6 +3,7 @@
 #define AXISCAL_CORE_SHAPES_STATE_H_
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -17,6 +18,8 @@ inline constexpr int kMaxBasisCount = 24;  // amplitudes of one shape
 
 class Temperatures;
 
+inline constexpr int kTurns = 3;  // that an axis remembers: loops within loops within loops
+
 struct AxisState {
   double position = 0.0;  // commanded or latched, mm or rad
   double sense = 0.0;     // sense of motion: +1, -1, and 0 for an axis that does not move
@@ -24,6 +27,9 @@ struct AxisState {
       std::numeric_limits<double>::infinity();  // mm or rad; infinite before the first motion
   double speed = 0.0;                           // signed, mm/s or rad/s; 0 where the session has no times
   double acceleration = 0.0;                    // mm/s^2 or rad/s^2; 0 there too, and at a session's first and last row
+  double last_move = 0.0;  // signed, mm or rad: the last one that was none of 0; 0 before the first
+  // Where the axis turned, the newest first, NaN where it did not: those that it has not gone beyond since.
+  std::array<double, kTurns> turned_at = {NAN, NAN, NAN};
 };
 
 // Of a touch: the unit direction in which the stylus went, in the spindle's frame (machine axes at home), its azimuth

@@ -336,7 +336,7 @@ bool IsOfTheForm(const Effect& effect, const machine::ErrorTerm& term) {
   using shapes::Harmonic;
   using Curves = std::tuple<shapes::Curve, shapes::Linear, shapes::Quadratic, Harmonic>;
   using Warm = std::tuple<shapes::Thermal, shapes::ThermalLag, shapes::TimeCurve, shapes::Drift, shapes::DriftExp>;
-  using Plays = std::tuple<shapes::Backlash, shapes::Reversal, shapes::BacklashCurve>;
+  using Plays = std::tuple<shapes::Backlash, shapes::Reversal, shapes::BacklashCurve, shapes::Play, shapes::LastMove>;
   const std::optional<int> axis = shapes::VariableAxis(shape);
   switch (effect.kind) {
     case EffectKind::kCurve:
@@ -357,8 +357,9 @@ bool IsOfTheForm(const Effect& effect, const machine::ErrorTerm& term) {
     case EffectKind::kLastMove:
       return is_one_of(std::type_identity<Plays>()) && axis == effect.axis;
     case EffectKind::kFollowing:
-      return effect.is_of_speed ? std::holds_alternative<shapes::Lag>(shape)
-                                : std::holds_alternative<shapes::Acceleration>(shape);
+      // A servo of second order that is late has an acceleration beside the speed.
+      return std::holds_alternative<shapes::Acceleration>(shape) ||
+             (effect.is_of_speed && std::holds_alternative<shapes::Lag>(shape));
   }
   return false;
 }
