@@ -118,7 +118,7 @@ std::vector<Stop> StopsOf(const MeasuringRun& run, int axis) {
   std::vector<Stop> stops;
   for (int k = 0; k < run.reading_count(); ++k) {
     const double position = run.PositionsOf(k)[axis];
-    const double sense = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis].sense;
+    const double sense = run.AxisStatesOf(k)[axis].sense;
     if (stops.empty() || std::abs(stops.back().position - position) > kStill || stops.back().sense != sense)
       stops.push_back({position, sense, {}});
     stops.back().readings.push_back(k);

@@ -59,8 +59,8 @@ TEST(BindSession, ASenseIsThatOfItsAxis) {
   ASSERT_TRUE(session::CheckAgainstMachine(session, kMachine).ok());
   const auto run = BindSession(session, kMachine);
   ASSERT_TRUE(run.ok()) << run.status();
-  EXPECT_EQ(run->axis_states[machine::FindAxis(kMachine, "X")].sense, -1.0);
-  EXPECT_EQ(run->axis_states[machine::FindAxis(kMachine, "B")].sense, 0.0);
+  EXPECT_EQ(run->AxisStatesOf(0)[machine::FindAxis(kMachine, "X")].sense, -1.0);
+  EXPECT_EQ(run->AxisStatesOf(0)[machine::FindAxis(kMachine, "B")].sense, 0.0);
   EXPECT_THAT(std::string(session::CheckAgainstMachine(Read("", ",A_sense", ",1"), kMachine).message()),
               HasSubstr("column 9 (A_sense): machine mt has no axis A"));
 }

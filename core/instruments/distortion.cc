@@ -49,7 +49,7 @@ double ShareOf(double from_s, double length_s, double time_s) {
 
 // The speed of an axis, and by how much it differs from that on the way to a reading and on the way from it.
 void SpeedsAt(const MeasuringRun& run, int reading, int axis, double* speeds) {
-  const double speed = run.axis_states[static_cast<size_t>(reading) * run.axis_count + axis].speed;
+  const double speed = run.AxisStatesOf(reading)[axis].speed;
   const auto on_the_way = [&](int from, int to) {
     if (from < 0 || to >= run.reading_count()) return speed;
     return SpeedOf(run.PositionsOf(to)[axis] - run.PositionsOf(from)[axis], run.time_s[to] - run.time_s[from]);

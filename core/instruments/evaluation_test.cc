@@ -324,7 +324,7 @@ MeasuringRun TwoReadings(const Machine& machine, const Instrument& instrument, s
   run.measured_mm = Eigen::MatrixXd::Zero(run.row_count, 2);
   DeriveMotion(&run);
   for (int axis = 0; axis < machine.axis_count(); ++axis)
-    run.axis_states[machine.axis_count() + axis].speed =
+    run.axis_states.Own()[machine.axis_count() + axis].speed =
         machine.axes[axis].kind == machine::AxisKind::kRotary ? 0.05 * (axis + 1) : 10.0 - 3.0 * axis;
   return run;
 }
@@ -450,7 +450,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
     *SetupBehind(rtest, setup) = 0.03 * kClockSpeedMmPerS;
     MeasuringRun late = rtest;
     const auto axes = static_cast<size_t>(machine.axis_count());
-    for (size_t i = 0; i < axes; ++i) late.positions[axes + i] -= 0.03 * late.axis_states[axes + i].speed;
+    for (size_t i = 0; i < axes; ++i) late.positions[axes + i] -= 0.03 * late.AxisStatesOf(1)[i].speed;
     EXPECT_LT((read(run, setup) - read(late, none)).norm(), 1e-9);
   }
   {  // two clocks that run apart, and a path of straight ways: all axes come along that to the reading
@@ -463,7 +463,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
     for (const int k : {0, 1, 3}) SetupBehind(rtest, setup)[k] = 0.03 * kClockSpeedMmPerS;
     MeasuringRun late = rtest;
     for (size_t i = 0; i < axes; ++i) {
-      const double apart = -0.5 * late.axis_states[axes + i].speed;  // a quarter of the time is over
+      const double apart = -0.5 * late.AxisStatesOf(1)[i].speed;  // a quarter of the time is over
       late.positions[axes + i] -= 0.03 * (0.02 * static_cast<double>(i + 1) + apart);
     }
     EXPECT_LT((read(run, setup) - read(late, none)).norm(), 1e-9);

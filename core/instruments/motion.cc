@@ -91,7 +91,7 @@ void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* sta
 
 void DeriveMotion(MeasuringRun* run) {
   const int axes = run->axis_count, readings = run->reading_count();
-  run->axis_states.assign(static_cast<size_t>(axes) * readings, {});
+  std::vector<shapes::AxisState> states(static_cast<size_t>(axes) * readings);
   const auto moment = [&](int k) {
     if (k >= readings) return Moment();
     const double* const senses =
@@ -101,8 +101,8 @@ void DeriveMotion(MeasuringRun* run) {
   FirstMotion first(axes);
   for (int k = 0; k < readings && !first.is_known(); ++k) first.Add(run->PositionsOf(k), moment(k).time_s);
   Motion motion(first.starts());
-  for (int k = 0; k < readings; ++k)
-    motion.Next(moment(k), moment(k + 1), &run->axis_states[static_cast<size_t>(k) * axes]);
+  for (int k = 0; k < readings; ++k) motion.Next(moment(k), moment(k + 1), &states[static_cast<size_t>(k) * axes]);
+  run->axis_states = std::move(states);
 }
 
 }  // namespace axiscal::instruments

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/copy_on_write.h"
 #include "core/geometry/rigid.h"
 #include "core/instruments/eccentricity/eccentricity_run.h"
 #include "core/instruments/touch/touch_run.h"
@@ -146,8 +147,9 @@ struct MeasuringRun {
   int row_count = 1;  // rows per reading: 1 or 3
   bool has_time = false, has_temperature = false;
   // Reading-major: entry k * axis_count + i.
-  std::vector<double> positions;               // mm or rad
-  std::vector<shapes::AxisState> axis_states;  // the same positions with sense, travel and speed
+  std::vector<double> positions;  // mm or rad
+  // The same positions with sense, travel and speed: most of what a session holds.
+  base::CopyOnWrite<std::vector<shapes::AxisState>> axis_states;
   std::vector<double> time_s;
   std::vector<double> temperature_celsius;
   // Further temperatures by name (`T_spindle_C`: "spindle"), a value per reading.
@@ -174,8 +176,11 @@ struct MeasuringRun {
 
   int reading_count() const { return static_cast<int>(measured_mm.cols()); }
   const double* PositionsOf(int reading) const { return positions.data() + static_cast<size_t>(reading) * axis_count; }
+  const shapes::AxisState* AxisStatesOf(int reading) const {
+    return axis_states->data() + static_cast<size_t>(reading) * axis_count;
+  }
   shapes::State StateOf(int reading) const {
-    return {{axis_states.data() + static_cast<size_t>(reading) * axis_count, static_cast<size_t>(axis_count)},
+    return {{AxisStatesOf(reading), static_cast<size_t>(axis_count)},
             time_s[reading],
             temperature_celsius[reading],
             touches.approach_in_spindle.empty() ? shapes::Approach() : touches.approach_in_spindle[reading],

@@ -265,8 +265,7 @@ TEST(Reduce, WithoutAPlanAnAxisThatRollsOverCountsOn) {
     const auto run = instruments::BindSession(reduced->session, machine);
     EXPECT_TRUE(run.ok()) << run.status();
     if (run.ok()) {  // sense and travel behind the last reading
-      const shapes::AxisState& last = run->axis_states[run->axis_states.size() - static_cast<size_t>(run->axis_count) +
-                                                       static_cast<size_t>(machine::FindAxis(machine, "C"))];
+      const shapes::AxisState& last = run->AxisStatesOf(run->reading_count() - 1)[machine::FindAxis(machine, "C")];
       travel_deg = last.sense * last.travel_since_reversal * 180.0 / M_PI;
     }
     return session::FindColumn(reduced->session, "C_deg")->values;

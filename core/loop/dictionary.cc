@@ -310,7 +310,7 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
     bool has_sense[2] = {false, false};
     for (const MeasuringRun& run : problem.runs) {
       for (int k = 0; k < run.reading_count(); ++k) {
-        const shapes::AxisState& state = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis];
+        const shapes::AxisState& state = run.AxisStatesOf(k)[axis];
         span.lowest = std::min(span.lowest, state.position);
         span.highest = std::max(span.highest, state.position);
         if (state.sense != 0.0) has_sense[state.sense > 0.0] = true;

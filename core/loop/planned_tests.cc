@@ -36,20 +36,20 @@ MeasuringRun Thinned(const MeasuringRun& run, int most, identify::Noise* noise) 
   const double stride = static_cast<double>(count) / kept, golden = 0.6180339887498949;
   MeasuringRun out = run;
   out.positions.clear();
-  out.axis_states.clear();
   out.time_s.clear();
   out.temperature_celsius.clear();
+  std::vector<shapes::AxisState> states;
   for (int i = 0; i < kept; ++i) {
     double whole = 0.0;
     const int k = std::min(count - 1, static_cast<int>(stride * (i + std::modf(golden * (i + 1), &whole))));
     const size_t from = static_cast<size_t>(k) * run.axis_count;
     out.positions.insert(out.positions.end(), run.positions.begin() + from,
                          run.positions.begin() + from + run.axis_count);
-    out.axis_states.insert(out.axis_states.end(), run.axis_states.begin() + from,
-                           run.axis_states.begin() + from + run.axis_count);
+    states.insert(states.end(), run.AxisStatesOf(k), run.AxisStatesOf(k) + run.axis_count);
     out.time_s.push_back(run.time_s[k]);
     out.temperature_celsius.push_back(run.temperature_celsius[k]);
   }
+  out.axis_states = std::move(states);
   out.measured_mm = run.measured_mm.leftCols(kept);
   *noise = {noise->sigma_mm * std::sqrt(identify::LongRunShare(*noise) / stride)};
   return out;

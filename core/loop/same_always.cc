@@ -48,7 +48,7 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
       state.last_move = state.sense * uniform(0.0, 0.1 * reach);
       state.turned_at[0] = state.position - state.sense * state.travel_since_reversal;
       run.positions.push_back(state.position);
-      run.axis_states.push_back(state);
+      run.axis_states.Own().push_back(state);
     }
     run.time_s.push_back(uniform(0.0, 2e4));
     run.temperature_celsius.push_back(uniform(10.0, 30.0));

@@ -108,7 +108,7 @@ BoxPoses::BoxPoses(const std::vector<MeasuringRun>& runs, int count, const std::
     has_time = has_time || run->has_time;
     for (int k = 0; k < CountOf(*run); ++k) {
       for (int i = 0; i < axes; ++i) {
-        const double speed = std::abs(run->axis_states[static_cast<size_t>(k * axes + i)].speed);
+        const double speed = std::abs(run->AxisStatesOf(k)[i].speed);
         if (std::isfinite(speed)) fastest[i] = std::max(fastest[i], speed);
       }
     }
@@ -133,7 +133,7 @@ BoxPoses::BoxPoses(const std::vector<MeasuringRun>& runs, int count, const std::
   }
   instruments::DeriveMotion(&path);
   positions_ = std::move(path.positions);
-  axis_states_ = std::move(path.axis_states);
+  axis_states_ = std::move(path.axis_states.Own());
 }
 
 shapes::State BoxPoses::At(int pose) const {

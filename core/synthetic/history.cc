@@ -30,7 +30,7 @@ void Append(const instruments::MeasuringRun& run, const std::map<std::string, st
   history->axis_count = run.axis_count;
   history->session_begin.push_back(history->size());
   history->positions.insert(history->positions.end(), run.positions.begin(), run.positions.end());
-  history->axis_states.insert(history->axis_states.end(), run.axis_states.begin(), run.axis_states.end());
+  history->axis_states.insert(history->axis_states.end(), run.axis_states->begin(), run.axis_states->end());
   history->time_s.insert(history->time_s.end(), run.time_s.begin(), run.time_s.end());
   for (const auto& [name, values] : celsius) {
     std::vector<double>& channel = history->celsius[name];

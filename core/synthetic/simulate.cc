@@ -40,7 +40,7 @@ absl::Status MoveToContact(const machine::Machine& machine, const Measuring& mea
   const auto gap_after = [&](double step_mm) {
     for (size_t i = 0; i < linear.size(); ++i) {
       positions[linear[i]] += step_mm * along[i];
-      run->axis_states[first + linear[i]].position = positions[linear[i]];
+      run->axis_states.Own()[first + linear[i]].position = positions[linear[i]];
     }
     double predicted_mm = NAN;
     instruments::Predict(machine, *run, reading, measuring.errors_at(reading, run->StateOf(reading)), setup,

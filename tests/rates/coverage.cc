@@ -14,7 +14,8 @@ namespace {
 instruments::MeasuringRun Thin(const instruments::MeasuringRun& run, int keep_every) {
   instruments::MeasuringRun thin = run;
   thin.positions.clear();
-  thin.axis_states.clear();
+  std::vector<shapes::AxisState>& states = thin.axis_states.Own();
+  states.clear();
   thin.time_s.clear();
   thin.temperature_celsius.clear();
   thin.measured_mm.resize(run.row_count, (run.reading_count() + keep_every - 1) / keep_every);
@@ -22,7 +23,7 @@ instruments::MeasuringRun Thin(const instruments::MeasuringRun& run, int keep_ev
     const int at = k * run.axis_count;
     for (int i = at; i < at + run.axis_count; ++i) {
       thin.positions.push_back(run.positions[i]);
-      thin.axis_states.push_back(run.axis_states[i]);
+      states.push_back((*run.axis_states)[i]);
     }
     thin.time_s.push_back(run.time_s[k]);
     thin.temperature_celsius.push_back(run.temperature_celsius[k]);

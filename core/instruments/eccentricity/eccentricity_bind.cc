@@ -50,7 +50,7 @@ absl::StatusOr<MeasuringRun> TraceOf(const machine::Machine& machine, const Path
   trace.temperature_celsius.assign(count, shapes::kReferenceTemperatureCelsius);
   trace.measured_mm = Eigen::MatrixXd::Zero(1, count);
   instruments::DeriveMotion(&trace);
-  for (shapes::AxisState& state : trace.axis_states) {
+  for (shapes::AxisState& state : trace.axis_states.Own()) {
     if (sense == 0) state.sense = 0.0;
   }
   return trace;
