@@ -141,6 +141,14 @@ TEST(Effects, ShapedColumnsAreSensitivityTimesShape) {
       items.push_back({shapes::Harmonic{c, static_cast<double>(order)}, machine::kComponents * c + component, {}});
   }
   items.push_back({shapes::Backlash{c}, machine::kComponents * c, {}});
+  const shapes::Span turn{.is_turn = true}, some_span{-1.0, 2.0};
+  for (const int functions : {24, 12, 6}) {  // the coarser ones are beginnings of the finer one
+    for (const int component : functions == 12 ? std::vector{2, 3} : std::vector{0, 2})
+      items.push_back({shapes::Curve{c, turn, functions}, machine::kComponents * c + component, {}});
+  }
+  for (const int functions : {12, 6})
+    items.push_back({shapes::BacklashCurve{{c, some_span, functions}}, machine::kComponents * c, {}});
+  items.push_back({shapes::Curve{c, some_span, 6}, machine::kComponents * c, {}});
   const Shaped source(linearised, items);
   std::mt19937 random(1);
   std::normal_distribution<double> normal;

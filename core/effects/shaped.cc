@@ -47,6 +47,7 @@ Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool
   first_value_ = {0};
   for (const ShapedItem& item : items_) {
     if (shapes_.empty() || !(shapes_.back() == item.shape)) {
+      is_beginning_.push_back(!shapes_.empty() && shapes::IsBeginningOf(item.shape, shapes_.back()));
       shapes_.push_back(item.shape);
       first_value_.push_back(first_value_.back() + shapes::BasisCount(item.shape));
       taken_off_.emplace_back();
@@ -114,6 +115,12 @@ void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::Matrix
       constexpr double kReach = 36.0;
       const Eigen::ArrayXd squares = ((position - bump->at) / bump->width).square();
       values.col(at) = (squares < kReach).select((-squares.min(kReach)).exp(), 0.0);
+      before = nullptr;
+      continue;
+    }
+    if (s > first && is_beginning_[s]) {
+      const Eigen::Index width = first_value_[s + 1] - first_value_[s];
+      values.middleCols(at, width) = values.middleCols(first_value_[s - 1] - first_value_[first], width);
       before = nullptr;
       continue;
     }
@@ -201,15 +208,30 @@ void Shaped::AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::
   }
 }
 
+std::optional<size_t> Shaped::FinerOf(size_t item) const {
+  const size_t shape = shape_of_[item];
+  if (!is_beginning_[shape]) return std::nullopt;
+  for (size_t other = item; other-- > 0 && shape_of_[other] + 1 >= shape;)
+    if (shape_of_[other] + 1 == shape && sensitivity_of_[other] == sensitivity_of_[item]) return other;
+  return std::nullopt;
+}
+
 std::vector<Eigen::MatrixXd> Shaped::Grams(const objective::Whitening& whitening) const {
   constexpr Eigen::Index kColumnsAtOnce = 16;  // all rows of them are held
   std::vector<Eigen::MatrixXd> grams;
   size_t item = 0;
   for (size_t s = 0, end = 0; s < shapes_.size(); s = end) {
     for (end = s + 1; end < shapes_.size() && first_value_[end + 1] - first_value_[s] <= kColumnsAtOnce;) ++end;
-    Eigen::MatrixXd values(linearised_.count(), first_value_[end] - first_value_[s]), columns;
-    Fill(s, end, 0, values);
+    Eigen::MatrixXd values, columns;  // when they are needed
     for (; item < items_.size() && shape_of_[item] < end; ++item) {
+      if (const std::optional<size_t> finer = FinerOf(item)) {
+        grams.push_back(grams[*finer].topLeftCorner(groups_[item].columns, groups_[item].columns));
+        continue;
+      }
+      if (values.size() == 0) {
+        values.resize(linearised_.count(), first_value_[end] - first_value_[s]);
+        Fill(s, end, 0, values);
+      }
       const Eigen::Index first = first_value_[shape_of_[item]] - first_value_[s];
       columns = values.middleCols(first, groups_[item].columns);
       columns.array().colwise() *= linearised_.sensitivity.col(items_[item].sensitivity).array();

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_EFFECTS_SHAPED_H_
 #define AXISCAL_CORE_EFFECTS_SHAPED_H_
 
+#include <optional>
 #include <vector>
 
 #include "core/effects/linearised.h"
@@ -48,6 +49,8 @@ class Shaped : public objective::Source {
   // What errors of one axis alone take up of an error of two, by ordinary least squares over all rows: of axes that
   // move together nothing is left, and neither passes for the other.
   void TakeOffSingleAxes(size_t shape);
+  // The earlier item of which the columns of an item are the first ones, where it is a beginning of one.
+  std::optional<size_t> FinerOf(size_t item) const;
   // Values of the shapes first .. last at rows begin .. begin + values->rows(), side by side.
   void Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const;
 
@@ -55,6 +58,7 @@ class Shaped : public objective::Source {
   Eigen::MatrixXd kept_;  // values of all shapes at all rows, where they are few
   std::vector<shapes::Shape> shapes_;
   std::vector<Eigen::Index> first_value_;  // per shape, and behind the last one: where its values stand among all
+  std::vector<bool> is_beginning_;         // per shape: of the one before it (shapes::IsBeginningOf)
   std::vector<size_t> shape_of_;           // per item
   struct SingleAxes {
     std::vector<shapes::Shape> curves;  // one per axis, and a constant

@@ -12,12 +12,15 @@ Whitening::Whitening(Eigen::ArrayXd weight, Eigen::ArrayXd correlation, Eigen::A
 
 void Whitening::Apply(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const {
   const Eigen::Index n = columns.rows();
-  Eigen::ArrayXd before(std::max<Eigen::Index>(0, is_white_ ? 0 : n - 1));
+  constexpr Eigen::Index kRows = 512;  // of a part that stays in the cache
+  Eigen::Array<double, kRows, 1> before;
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     auto x = columns.col(c);
-    if (!is_white_ && n > 1) {
-      before.head(n - 1) = x.head(n - 1).array();
-      x.tail(n - 1).array() -= correlation_.segment(begin + 1, n - 1) * before;
+    // From the end, as each row needs the one before it as it was.
+    for (Eigen::Index end = n, rows = 0; !is_white_ && end > 1; end -= rows) {
+      rows = std::min(kRows, end - 1);
+      before.head(rows) = x.segment(end - rows - 1, rows).array();
+      x.segment(end - rows, rows).array() -= correlation_.segment(begin + end - rows, rows) * before.head(rows);
     }
     for (Eigen::Index k = 1; has_echo_ && k < n; ++k) x[k] += echo_[begin + k] * x[k - 1];
     x.array() *= weight_.segment(begin, n);

@@ -66,6 +66,12 @@ Curve* CurveOf(Shape& shape) {
 
 const Curve* CurveOf(const Shape& shape) { return CurveOf(const_cast<Shape&>(shape)); }
 
+bool IsBeginningOf(const Shape& coarse, const Shape& fine) {
+  const Curve *const a = CurveOf(coarse), *const b = CurveOf(fine);
+  return coarse.index() == fine.index() && a != nullptr && a->axis == b->axis && a->span == b->span &&
+         a->functions <= b->functions;
+}
+
 Times* TimesOf(Shape& shape) {
   return std::visit(
       [](auto& s) -> Times* {

@@ -48,6 +48,8 @@ bool IsFree(const Shape& shape);
 double PriorRoot(const Shape& shape, int basis);
 // The curve over the position of an axis that a shape is or has; nullptr of others.
 const Curve* CurveOf(const Shape& shape);
+// Curves of one axis and span: the functions of `coarse` are the first ones of `fine`.
+bool IsBeginningOf(const Shape& coarse, const Shape& fine);
 Curve* CurveOf(Shape& shape);
 // The position that multiplies all of a shape's functions beside its own variable; nullptr of shapes that know none.
 const Times* TimesOf(const Shape& shape);

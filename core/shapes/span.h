@@ -9,11 +9,26 @@
 #define AXISCAL_CORE_SHAPES_SPAN_H_
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace axiscal::shapes {
 
 inline constexpr double kFade = 0.25;  // of half a span
+
+// Legendre polynomials by their recurrence: P_(j+1) = by_now[j] x P_j - by_before[j] P_(j-1).
+struct LegendreFactors {
+  static constexpr int kCount = 32;  // orders: more than any shape has amplitudes
+  LegendreFactors() {
+    for (int j = 0; j < kCount; ++j) {
+      root[j] = std::sqrt(2.0 * j + 1.0);
+      by_now[j] = (2.0 * j + 1.0) / (j + 1.0);
+      by_before[j] = j / (j + 1.0);
+    }
+  }
+  std::array<double, kCount> root, by_now, by_before;
+};
+inline const LegendreFactors kLegendre;
 
 struct Span {
   double low = 0.0, high = 1.0;  // mm, rad or s
@@ -46,8 +61,8 @@ struct Span {
     const double x = std::clamp(Within(q), -1.0, 1.0);
     double before = 0.0, now = 1.0;  // P_(j - 1), P_j
     for (int j = 0; j < first + count; ++j) {
-      if (j >= first) values[j - first] = std::sqrt(2.0 * j + 1.0) * now;
-      const double next = ((2.0 * j + 1.0) * x * now - j * before) / (j + 1.0);
+      if (j >= first) values[j - first] = kLegendre.root[j] * now;
+      const double next = kLegendre.by_now[j] * x * now - kLegendre.by_before[j] * before;
       before = now;
       now = next;
     }
