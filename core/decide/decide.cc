@@ -330,7 +330,7 @@ class Decider {
 
   // Searches and fits until the set of effects stays.
   absl::Status Settle(Extension* extension, Fit* fit, loop::Report* report) {
-    constexpr int kRounds = 5;
+    constexpr int kRounds = 10;  // bounds what goes on changing; dirty readings with several effects needed six
     std::vector<std::multiset<Key>> seen = {KeysOf(*extension)};
     for (int round = 0; round < kRounds; ++round) {
       Extension next(machine_, check_.is_empty() ? runs_ : all_);
