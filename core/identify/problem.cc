@@ -114,6 +114,8 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   });
   if (has_tool_offset && first.tip_mm != other.tip_mm)
     return differs("tool_tip_mm", text(first.tip_mm), text(other.tip_mm));
+  if (first.setup.size() != other.setup.size() && first.touches.features.size() == other.touches.features.size())
+    return refuse("how well the features are known, expected the same feature_sigma_um in both");
   for (size_t k = 0; k < first.setup.size() && k < other.setup.size(); ++k) {
     const instruments::SetupParameter &a = first.setup[k], &b = other.setup[k];
     if (a.held.has_value() != b.held.has_value())

@@ -131,6 +131,28 @@ TEST(Certificate, WhatIsStatedOfASetUpIsKnowledge) {
     EXPECT_THAT(StateSetups(machine, {wrong}, {&plan[0]}).message(), HasSubstr("expected \"OFFSET SIGMA\"")) << wrong;
 }
 
+// A certificate holds what is not known of the artefact: faces that are touched in the same way at every pose show how
+// they stand out, so that the errors are hardly worse known; they are no better known in any case.
+TEST(Certificate, WhatIsStatedOfAnArtefactsFeatures) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const Situation situation = Situated(machine);
+  const auto model = ErrorsToJudge(machine, {"EX0C", "EY0C", "EA0C", "EB0C"}).value();
+  std::vector<session::Session> plan = Planned(situation, {"touch-columns"});
+  const auto exact = Certify(machine, model, plan, Over(machine));
+  ASSERT_TRUE(exact.ok()) << exact.status();
+  ASSERT_TRUE(StateSetups(machine, {"feature 5"}, {&plan[0]}).ok());
+  EXPECT_EQ(session::FindHeader(plan[0], "feature_sigma_um"), "5");
+  const auto known = Certify(machine, model, plan, Over(machine));
+  ASSERT_TRUE(known.ok()) << known.status();
+  ASSERT_EQ(known->errors.size(), 4u);
+  for (size_t i = 0; i < known->errors.size(); ++i) {
+    ASSERT_TRUE(known->errors[i].identifiable) << i;
+    EXPECT_GE(known->errors[i].sigma, exact->errors[i].sigma * (1.0 - 1e-9)) << i;
+  }
+  ASSERT_TRUE(StateSetups(machine, {"feature 2"}, {&plan[0]}).ok());  // in its place
+  EXPECT_EQ(session::FindHeader(plan[0], "feature_sigma_um"), "2");
+}
+
 // The fewest minutes: a smaller uncertainty takes longer, and what no test reaches is said.
 TEST(Certificate, FewestMinutesForAWantedUncertainty) {
   const machine::Machine machine = machine::testing::MultiTasking();

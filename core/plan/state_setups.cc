@@ -12,6 +12,10 @@ absl::Status StateSetups(const machine::Machine& machine, const std::vector<std:
   std::vector<std::vector<instruments::SetupParameter>> setups;
   for (size_t i = 0; i < plan.size() && !stated.empty(); ++i) {
     ASSIGN_OR_RETURN(instruments::MeasuringRun run, PlannedRun(machine, *plan[i]));
+    if (run.kind == instruments::Kind::kTouch) {  // one line for all of its features
+      std::erase_if(run.setup, [](const auto& parameter) { return parameter.name.starts_with("feature_"); });
+      run.setup.push_back({"feature", 0.0});
+    }
     setups.push_back(std::move(run.setup));
   }
   for (const std::string& text : stated) {

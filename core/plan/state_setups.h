@@ -13,8 +13,8 @@
 namespace axiscal::plan {
 
 // Each of "artefact_x 2" becomes `# artefact_x_sigma_um: 2` (um, of angles urad) in the sessions whose set-up has that
-// offset, in place of what they state. INVALID_ARGUMENT naming the text where it is none or no session of `plan` has
-// the offset, and as PlannedRun.
+// offset, in place of what they state; "feature 1", of touches, is all features of an artefact. INVALID_ARGUMENT naming
+// the text where it is none or no session of `plan` has the offset, and as PlannedRun.
 absl::Status StateSetups(const machine::Machine& machine, const std::vector<std::string>& stated,
                          const std::vector<session::Session*>& plan);
 

@@ -3,10 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
+#include "core/base/units.h"
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/touch/touch_model.h"
 
 namespace axiscal::touch {
 namespace {
@@ -45,6 +48,29 @@ absl::Status ReadFeatures(const session::Session& session, MeasuringRun* run) {
   }
   touches.centre_mm /= static_cast<double>(touches.features.size());
   run->ball_mm = touches.centre_mm;  // where on the table this session measures
+  return absl::OkStatus();
+}
+
+// `# feature_sigma_um: 1`: each feature stands out by an offset of its own, known to be zero within that.
+absl::Status AddFeatureOffsets(const session::Session& session, MeasuringRun* run) {
+  const std::string key = "feature_sigma_um";
+  const std::optional<std::string> text = session::FindHeader(session, key);
+  if (!text) return absl::OkStatus();
+  const auto sigma_um = Numbers(key, *text, 1);
+  if (!sigma_um.ok()) return base::Within("session '" + run->session + "'", sigma_um.status());
+  const auto refuse = [&](const std::string& what) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("session '", run->session, "': header '", key, ": ", *text, "', ", what));
+  };
+  if (!std::isfinite((*sigma_um)[0]) || (*sigma_um)[0] <= 0.0) return refuse("must be > 0");
+  const std::vector<Feature>& features = run->touches.features;
+  constexpr size_t kMost = instruments::kMaxInstrumentParameters - kPlaceOffsets;
+  if (features.size() > kMost)
+    return refuse(absl::StrCat("of ", features.size(), " features, expected at most ", kMost));
+  std::vector<instruments::SetupParameter> offsets;
+  for (const Feature& feature : features)
+    offsets.push_back({"feature_" + feature.name, (*sigma_um)[0] * base::kMmPerUm, false, false});
+  run->setup.insert(run->setup.begin() + kPlaceOffsets, offsets.begin(), offsets.end());  // before those of the datum
   return absl::OkStatus();
 }
 
@@ -105,6 +131,7 @@ absl::Status BindTouches(const machine::Machine& machine, const session::Session
   if (!radius.ok()) return base::Within("session '" + run->session + "'", radius.status());
   touches.stylus_radius_mm = (*radius)[0];
   RETURN_IF_ERROR(ReadFeatures(session, run));
+  RETURN_IF_ERROR(AddFeatureOffsets(session, run));
   const size_t readings = session.reading_count();
   const session::Column* columns[4];
   const char* const names[4] = {"nx", "ny", "nz", "feature"};

@@ -39,7 +39,13 @@ void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& 
   out->by_error.noalias() = (pose.bed_from_table.rotation * normal).transpose() * out->point.sensitivity;
   const double ca = std::cos(setup[3]), sa = std::sin(setup[3]), cb = std::cos(setup[4]), sb = std::sin(setup[4]);
   const Eigen::Vector3d torque_mm = (contact_mm - origin_mm).cross(normal);
-  out->by_setup.resize(1, 6);
+  const int feature_offsets = FeatureOffsets(run);
+  out->by_setup.setZero(1, kPlaceOffsets + feature_offsets);
+  if (feature_offsets > 0) {
+    const int at = kPlaceOffsets + touches.feature_of[reading];
+    out->predicted_mm[0] -= setup[at];
+    out->by_setup(0, at) = -1.0;
+  }
   out->by_setup.leftCols<3>() = -normal.transpose();
   out->by_setup(0, 3) = -torque_mm.x();
   out->by_setup(0, 4) = -torque_mm.dot(Eigen::Vector3d(0, ca, sa));

@@ -5,15 +5,25 @@
 // along the feature's own normal at the point of contact, never along the commanded direction (Yao 2022, ch. 5: 3.4 deg
 // off normal); only the displacement along the normal counts (Ibaraki, eq 9).
 // Setup: the artefact's place (x, y, z mm) and turn (Rot_x Rot_y Rot_z, rad) about the mean of its features' points,
-// table frame.
+// table frame; where the header says how well its features are known, how far each stands out along its normal (of a
+// sphere, its radius), mm.
 #ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_MODEL_H_
 #define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_MODEL_H_
 
+#include "core/instruments/distortion.h"
 #include "core/instruments/evaluation.h"
 
 namespace axiscal::touch {
 
+inline constexpr int kPlaceOffsets = 6;  // of the artefact
+
+// Of the artefact's place.
 std::vector<instruments::SetupParameter> SetupParameters();
+
+// How far each feature stands out, behind the place's, in the features' order: as many as there are features, or none.
+inline int FeatureOffsets(const instruments::MeasuringRun& run) {
+  return instruments::OwnSetupCount(run) - static_cast<int>(run.free_datum.size()) - kPlaceOffsets;
+}
 
 template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading, const T* positions,
@@ -34,6 +44,7 @@ void Predict(const machine::Machine& machine, const instruments::MeasuringRun& r
     const geometry::Vector3<T> normal = turn * geometry::Vector3<T>(feature.normal.cast<T>());
     predicted_mm[0] = normal.dot(off) - run.touches.stylus_radius_mm;
   }
+  if (FeatureOffsets(run) > 0) predicted_mm[0] -= setup[kPlaceOffsets + run.touches.feature_of[reading]];
 }
 
 void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading,

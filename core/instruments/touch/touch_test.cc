@@ -10,6 +10,7 @@
 #include "core/instruments/evaluation.h"
 #include "core/instruments/touch/sphere_fit.h"
 #include "core/instruments/touch/touch_bind.h"
+#include "core/instruments/touch/touch_model.h"
 #include "core/machine/machine_json.h"
 #include "core/machine/testing/machines.h"
 #include "core/session/read_session.h"
@@ -299,6 +300,57 @@ TEST(Touch, APlaneReadsTheGapAlongItsNormal) {
   double gap_mm = NAN;
   instruments::Predict(machine, *run, 0, {}, setup, &gap_mm);
   EXPECT_NEAR(gap_mm, 0.20, 1e-12);
+}
+
+// A header says how well the features are known: each then stands out by a set-up offset of its own, before the
+// datum's.
+TEST(Touch, FeaturesStandOutByOffsetsOfTheirOwn) {
+  const std::string folder = base::SourcePath("/deploy/examples/ibaraki-columns/");
+  const machine::Machine machine = machine::ReadMachineFile(folder + "machine.json").value();
+  session::Session session = session::ReadSessionFile(folder + "fit/columns.csv").value();
+  session.header.push_back({"datum", "free X"});
+  const auto exact = instruments::BindSession(session, machine);
+  ASSERT_TRUE(exact.ok()) << exact.status();
+  EXPECT_EQ(FeatureOffsets(*exact), 0);
+  session.header.push_back({"feature_sigma_um", "1.5"});
+  const auto run = instruments::BindSession(session, machine);
+  ASSERT_TRUE(run.ok()) << run.status();
+  const int features = static_cast<int>(run->touches.features.size());
+  ASSERT_EQ(features, 15);
+  ASSERT_EQ(FeatureOffsets(*run), features);
+  ASSERT_EQ(run->setup.size(), exact->setup.size() + 15);
+  EXPECT_EQ(run->setup.back().name, "datum_X");
+  for (int k = 0; k < features; ++k) {
+    const instruments::SetupParameter& offset = run->setup[static_cast<size_t>(kPlaceOffsets + k)];
+    EXPECT_EQ(offset.name, "feature_" + run->touches.features[static_cast<size_t>(k)].name);
+    EXPECT_EQ(offset.prior_sigma, 1.5e-3);
+    EXPECT_FALSE(offset.is_weak);
+  }
+  double setup[instruments::kMaxSetupParameters] = {0.1, -0.2, 0.3, 0.001, -0.002, 0.003}, before = NAN, after = NAN;
+  instruments::Evaluation evaluation;
+  for (const int reading : {0, 7, 200}) {
+    const int at = kPlaceOffsets + run->touches.feature_of[static_cast<size_t>(reading)];
+    instruments::Predict(machine, *run, reading, {}, setup, &before);
+    setup[at] = 2e-3;
+    instruments::Predict(machine, *run, reading, {}, setup, &after);
+    instruments::Evaluate(machine, *run, reading, {}, setup, &evaluation);
+    setup[at] = 0.0;
+    EXPECT_NEAR(after - before, -2e-3, 1e-12);  // the stylus stops earlier
+    EXPECT_NEAR(evaluation.predicted_mm[0], after, 1e-12);
+    ASSERT_EQ(evaluation.by_setup.cols(), static_cast<Eigen::Index>(run->setup.size()));
+    for (int k = 0; k < features; ++k)
+      EXPECT_EQ(evaluation.by_setup(0, kPlaceOffsets + k), kPlaceOffsets + k == at ? -1 : 0);
+  }
+}
+
+TEST(Touch, HowWellFeaturesAreKnownIsANumberAboveZero) {
+  for (const char* value : {"0", "-1", "1 2", "one", "inf"}) {
+    const absl::Status status = BindColumns([&](session::Session* session) {
+      session->header.push_back({"feature_sigma_um", value});
+    });
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << value;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(absl::StrCat("feature_sigma_um: ", value)));
+  }
 }
 
 }  // namespace
