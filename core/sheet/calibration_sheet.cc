@@ -12,7 +12,7 @@ namespace axiscal::sheet {
 namespace {
 
 // What fits on a page at a size that can be read.
-constexpr size_t kMostErrors = 26, kMostSessions = 8, kMostLines = 5, kMostLetters = 180;
+constexpr size_t kMostErrors = 26, kMostInPairs = 60, kMostSessions = 8, kMostLines = 5, kMostLetters = 180;
 
 // `text` to so many bytes, never within a letter.
 std::string Cut(const std::string& text, size_t most = kMostLetters) {
@@ -142,7 +142,31 @@ class Writer {
                               is_told ? NumberText(expanded, 2, language_) : kNone, UnitText(error.unit)});
     }
     if (fitted_.errors.empty()) section.lines.push_back(Say("None was fitted.", "Keine wurde angepasst."));
-    Add(std::move(section), kMostErrors);
+    if (section.rows.size() > kMostErrors) PutInPairs(&section);
+    Add(std::move(section), kMostInPairs / 2);
+  }
+
+  // Many errors: two beside each other by their symbols alone, so that a page that is signed has them all.
+  void PutInPairs(Section* section) const {
+    const std::vector<std::vector<std::string>> rows = std::move(section->rows);
+    const auto without_meaning = [](std::vector<std::string> cells) {
+      cells.erase(cells.begin() + 1);
+      return cells;
+    };
+    section->rows.clear();
+    section->columns = "tnnnttnnnt";
+    section->head = without_meaning(section->head);
+    const std::vector<std::string> head = section->head;
+    section->head.insert(section->head.end(), head.begin(), head.end());
+    const size_t shown = std::min(rows.size(), kMostInPairs), left = (shown + 1) / 2;
+    for (size_t i = 0; i < left; ++i) {
+      std::vector<std::string> row = without_meaning(rows[i]);
+      std::vector<std::string> other(row.size());
+      if (i + left < shown) other = without_meaning(rows[i + left]);
+      row.insert(row.end(), other.begin(), other.end());
+      section->rows.push_back(std::move(row));
+    }
+    if (rows.size() > shown) section->lines.push_back(LeftOut(rows.size() - shown));
   }
 
   void AddNotTold() {
@@ -281,20 +305,21 @@ class Writer {
     if (!section.lines.empty()) Add(std::move(section), kMostLines);
   }
 
+  std::string LeftOut(size_t count) const {
+    return absl::StrCat(Say("and ", "und "), count,
+                        Say(" more, in the report as JSON", " weitere, im Bericht als JSON"));
+  }
+
   // Lines are cut, and rows and lines beyond `most` give way to a word on how many there are.
   void Add(Section section, size_t most) {
     for (std::string& line : section.lines) line = Cut(line);
-    const auto left_out = [&](size_t count) {
-      return absl::StrCat(Say("and ", "und "), count - most,
-                          Say(" more, in the report as JSON", " weitere, im Bericht als JSON"));
-    };
     if (section.lines.size() > most) {
-      const std::string more = left_out(section.lines.size());
+      const std::string more = LeftOut(section.lines.size() - most);
       section.lines.resize(most);
       section.lines.push_back(more);
     }
     if (section.rows.size() > most) {
-      section.lines.insert(section.lines.begin(), left_out(section.rows.size()));
+      section.lines.insert(section.lines.begin(), LeftOut(section.rows.size() - most));
       section.rows.resize(most);
     }
     sheet_.sections.push_back(std::move(section));

@@ -88,15 +88,29 @@ TEST(CalibrationSheet, IsGermanForGermanReaders) {
   EXPECT_EQ(RowOf(sheet, "BX")[3], "0,3");
 }
 
+TEST(CalibrationSheet, ManyErrorsStandInPairs) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& errors = std::get<reports::Identification>(calibration.report).fitted.errors;
+  for (int i = 0; i < 57; ++i) errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), i * 1.0, 1, "um", true});
+  ASSERT_EQ(errors.size(), 59u);
+  const Section section = CalibrationSheet(calibration, Language::kEnglish).sections[0];
+  EXPECT_EQ(section.columns.size(), section.head.size());
+  ASSERT_EQ(section.rows.size(), 30u);
+  EXPECT_THAT(section.rows[0], ElementsAre("EX0C", "-22.24", "0.15", "0.32", "µm",  //
+                                           "EXC:harmonic(28)", "28.0", "1", "2.1", "µm"));
+  EXPECT_THAT(section.rows[29], ElementsAre("EXC:harmonic(27)", "27.0", "1", "2.1", "µm", "", "", "", "", ""));
+  EXPECT_THAT(section.lines, Not(Contains(HasSubstr("more"))));
+}
+
 TEST(CalibrationSheet, WhatWouldNotFitIsCutAndSaysSo) {
   CalibrationToPrint calibration = ACalibration();
   auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
-  for (int i = 0; i < 40; ++i)
+  for (int i = 0; i < 98; ++i)
     fitted.errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), 1, 1, "um", true});
   fitted.not_separable = {std::string(5000, 'x') + "ü"};
   const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
-  EXPECT_EQ(sheet.sections[0].rows.size(), 26u);
-  EXPECT_THAT(sheet.sections[0].lines, Contains("and 16 more, in the report as JSON"));
+  EXPECT_EQ(sheet.sections[0].rows.size(), 30u);
+  EXPECT_THAT(sheet.sections[0].lines, Contains("and 40 more, in the report as JSON"));
   for (const std::string& line : sheet.sections[1].lines) EXPECT_LT(line.size(), 200u);
 }
 
