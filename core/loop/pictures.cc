@@ -24,8 +24,8 @@ bool IsRotary(const Machine& machine, int axis) { return machine.axes[axis].kind
 class Painter {
  public:
   Painter(const Machine& machine, const std::vector<MeasuringRun>& fit, const std::vector<MeasuringRun>& check,
-          const Report& report)
-      : machine_(machine), report_(report) {
+          const Report& report, base::Language language)
+      : machine_(machine), report_(report), language_(language) {
     for (const auto* runs : {&fit, &check}) {
       for (const MeasuringRun& run : *runs) runs_.push_back(&run);
     }
@@ -37,11 +37,12 @@ class Painter {
       const bool is_rotary = IsRotary(machine_, axis);
       const double unit = is_rotary ? kDegPerRad : 1.0;
       AddResidual(
-          "residual-" + name, absl::StrCat(name, is_rotary ? ", deg" : ", mm"), name,
+          "residual-" + name, absl::StrCat(name, is_rotary ? Degrees() : ", mm"), name,
           [axis, unit](const MeasuringRun& run, int k) { return run.PositionsOf(k)[axis] * unit; }, axis);
     }
-    AddResidual("residual-time", "time, s", "time", [](const MeasuringRun& run, int k) { return run.time_s[k]; });
-    AddResidual("residual-temperature", "temperature, deg C", "temperature",
+    AddResidual("residual-time", In("time, s", "Zeit, s"), In("time", "Zeit"),
+                [](const MeasuringRun& run, int k) { return run.time_s[k]; });
+    AddResidual("residual-temperature", In("temperature, deg C", "Temperatur, °C"), In("temperature", "Temperatur"),
                 [](const MeasuringRun& run, int k) { return run.temperature_celsius[k]; });
   }
 
@@ -105,8 +106,21 @@ class Painter {
                            is_rotary ? "deg" : "mm");
   }
 
-  static std::string RmsText(double sum, double count) {
-    return absl::StrFormat("rms %.3g um", count > 0.0 ? std::sqrt(sum / count) : 0.0);
+  std::string In(const char* english, const char* german) const {
+    return language_ == base::Language::kGerman ? german : english;
+  }
+  std::string Degrees() const { return In(", deg", ", °"); }
+  std::string Um() const { return In("um", "µm"); }
+  std::string When(bool is_after) const { return is_after ? In("after", "nachher") : In("before", "vorher"); }
+  std::string MeasuredLessPredicted() const {
+    return In("measured - predicted, um", "gemessen minus vorhergesagt, µm");
+  }
+
+  // "before: rms 12 um"
+  std::string PanelTitle(bool is_after, double sum, double count) const {
+    const std::string rms = absl::StrFormat("%.3g", count > 0.0 ? std::sqrt(sum / count) : 0.0);
+    return absl::StrCat(When(is_after), ": ", In("rms", "quadr. Mittel"), " ", base::NumberIn(language_, rms), " ",
+                        Um());
   }
 
   // measured - predicted, um.
@@ -174,7 +188,7 @@ class Painter {
       for (size_t i = 0; i < runs_.size(); ++i) {
         const Eigen::MatrixXd residuals_um = -kUmPerMm * ResidualsOf(i, is_after);
         const std::string session =
-            absl::StrCat(report_.residuals[i].session, report_.residuals[i].is_check ? " (check)" : "");
+            absl::StrCat(report_.residuals[i].session, report_.residuals[i].is_check ? In(" (check)", " (prüft)") : "");
         for (plot::Series& series : BySense(*runs_[i], axis, session, residuals_um, variable)) {
           series.points = plot::Thinned(std::move(series.points));
           panel.series.push_back(std::move(series));
@@ -182,12 +196,14 @@ class Painter {
         sum += residuals_um.squaredNorm();
         count += static_cast<double>(residuals_um.size());
       }
-      panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
+      panel.title = PanelTitle(is_after, sum, count);
       panels.push_back(std::move(panel));
     }
-    constexpr char kResidual[] = "measured - predicted, um";
-    pictures_.push_back({file + ".svg", plot::ScatterChart("Residuals against " + name, label, kResidual, panels),
-                         label, kResidual, panels});
+    const std::string value = MeasuredLessPredicted();
+    pictures_.push_back({file + ".svg",
+                         plot::ScatterChart(In("Residuals against ", "Restfehler über ") + name, label, value, panels,
+                                            plot::Ground::kMiddle, language_),
+                         label, value, panels});
   }
 
   // How many different positions of an axis a run has.
@@ -229,7 +245,7 @@ class Painter {
     const double period = is_rotary ? 2.0 * M_PI : highest - lowest;
     constexpr double kMostOfIt = 0.8;
     constexpr int kFewPositions = 12;
-    std::vector<plot::Panel> panels = {{"before", {}}, {"after", {}}};
+    std::vector<plot::Panel> panels = {{When(false), {}}, {When(true), {}}};
     for (size_t i = 0; i < runs_.size(); ++i) {
       const auto [low, high] = RangeOf(*runs_[i], axis);
       // Readings at rest are left to the drift; over a part of the period orders are not told apart.
@@ -240,11 +256,12 @@ class Painter {
     }
     if (panels[0].series.empty()) return;
     const std::string label = OrderLabel(axis, period);
-    constexpr char kAmplitude[] = "amplitude, um";
+    const std::string value = In("amplitude, um", "Amplitude, µm");
     pictures_.push_back(
         {"spectrum-" + name + ".svg",
-         plot::ScatterChart("Spectrum of the residuals over " + name, label, kAmplitude, panels, plot::Ground::kBottom),
-         label, kAmplitude, panels});
+         plot::ScatterChart(In("Spectrum of the residuals over ", "Spektrum der Restfehler über ") + name, label, value,
+                            panels, plot::Ground::kBottom, language_),
+         label, value, panels});
   }
 
   static constexpr int kFoundPoints = 720;  // of a curve
@@ -276,8 +293,8 @@ class Painter {
     if (!(high - low > kStandsStill)) return;
     const bool is_rotary = IsRotary(machine_, axis);
     const std::string& name = machine_.axes[axis].name;
-    const std::string unit = machine::IsAngle(terms[0]->component) ? "urad" : "um";
-    plot::Panel panel = {"found", {{"+", {}}, {"-", {}}}};
+    const std::string unit = machine::IsAngle(terms[0]->component) ? In("urad", "µrad") : Um();
+    plot::Panel panel = {In("found", "gefunden"), {{"+", {}}, {"-", {}}}};
     bool is_by_sense = false;
     for (int k = 0; k <= kFoundPoints; ++k) {
       const double position = low + (high - low) * k / kFoundPoints;
@@ -291,13 +308,16 @@ class Painter {
       panel.series.pop_back();
       panel.series[0].name = symbol;
     }
-    const std::string file = absl::StrCat(symbol, "-", name), label = absl::StrCat(name, is_rotary ? ", deg" : ", mm"),
+    const std::string file = absl::StrCat(symbol, "-", name),
+                      label = absl::StrCat(name, is_rotary ? Degrees() : ", mm"),
                       value = absl::StrCat(symbol, ", ", unit);
-    pictures_.push_back({absl::StrCat("found-", file, ".svg"),
-                         plot::ScatterChart(absl::StrCat(symbol, " over ", name, " as found"), label, value, {panel}),
-                         label,
-                         value,
-                         {panel}});
+    pictures_.push_back(
+        {absl::StrCat("found-", file, ".svg"),
+         plot::ScatterChart(absl::StrCat(symbol, In(" over ", " über "), name, In(" as found", ", wie gefunden")),
+                            label, value, {panel}, plot::Ground::kMiddle, language_),
+         label,
+         value,
+         {panel}});
     AddOrders(symbol, axis, terms, unit, is_rotary ? 2.0 * M_PI : high - low, low, high);
   }
 
@@ -323,20 +343,24 @@ class Painter {
       series.points.push_back({static_cast<double>(order), 2.0 / kFoundPoints * std::hypot(cosine, sine)});
     }
     const std::string &name = machine_.axes[axis].name, label = OrderLabel(axis, period),
-                      value = absl::StrCat("amplitude, ", unit);
-    const std::vector<plot::Panel> panels = {{"found", {series}}};
-    pictures_.push_back({absl::StrCat("orders-", symbol, "-", name, ".svg"),
-                         plot::ScatterChart(absl::StrCat("Spectrum of ", symbol, " over ", name, " as found"), label,
-                                            value, panels, plot::Ground::kBottom),
-                         label, value, panels});
+                      value = absl::StrCat(In("amplitude, ", "Amplitude, "), unit);
+    const std::vector<plot::Panel> panels = {{In("found", "gefunden"), {series}}};
+    pictures_.push_back(
+        {absl::StrCat("orders-", symbol, "-", name, ".svg"),
+         plot::ScatterChart(absl::StrCat(In("Spectrum of ", "Spektrum von "), symbol, In(" over ", " über "), name,
+                                         In(" as found", ", wie gefunden")),
+                            label, value, panels, plot::Ground::kBottom, language_),
+         label, value, panels});
   }
 
   // `period`: of order 1, mm or rad.
   std::string OrderLabel(int axis, double period) const {
     const std::string& name = machine_.axes[axis].name;
     return IsRotary(machine_, axis)
-               ? absl::StrCat("order: cycles per turn of ", name)
-               : absl::StrFormat("order: cycles over the %.4g mm of %s that were measured", period, name);
+               ? In("order: cycles per turn of ", "Ordnung: Perioden je Umdrehung von ") + name
+               : absl::StrCat(In("order: cycles over the ", "Ordnung: Perioden über die "),
+                              base::NumberIn(language_, absl::StrFormat("%.4g", period)), In(" mm of ", " mm von "),
+                              name, In(" that were measured", ", die gemessen wurden"));
   }
 
   std::vector<int> MovingAxes(const MeasuringRun& run) const {
@@ -378,7 +402,7 @@ class Painter {
     std::vector<double> angles;
     for (const int axis : moving) {
       if (!IsRotary(machine_, axis)) continue;
-      *text = absl::StrCat("angle of ", machine_.axes[axis].name, ", deg");
+      *text = absl::StrCat(In("angle of ", "Winkel von "), machine_.axes[axis].name, Degrees());
       for (int k = 0; k < run.reading_count(); ++k) angles.push_back(run.PositionsOf(k)[axis]);
       return angles;
     }
@@ -387,7 +411,8 @@ class Painter {
     int first = moving[0], second = moving[1];
     if (machine_.axes[first].name > machine_.axes[second].name) std::swap(first, second);
     if (machine_.axes[first].name == "X" && machine_.axes[second].name == "Z") std::swap(first, second);
-    *text = absl::StrCat("angle in ", machine_.axes[first].name, machine_.axes[second].name, ", deg");
+    *text =
+        absl::StrCat(In("angle in ", "Winkel in "), machine_.axes[first].name, machine_.axes[second].name, Degrees());
     const auto [low1, high1] = RangeOf(run, first);
     const auto [low2, high2] = RangeOf(run, second);
     double last = 0.0;
@@ -426,7 +451,7 @@ class Painter {
         sum += ResidualsOf(i, is_after).squaredNorm() * kUmPerMm * kUmPerMm;
         count += static_cast<double>(run.reading_count());
       }
-      panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
+      panel.title = PanelTitle(is_after, sum, count);
     }
     const SessionResiduals& first = report_.residuals[group[0]];
     std::vector<plot::Panel> in_degrees = panels;
@@ -438,8 +463,10 @@ class Painter {
     }
     pictures_.push_back(
         {NewFile(absl::StrCat("trace-", first.is_check ? "check-" : "", FileName(first.session))),
-         plot::PolarChart(absl::StrCat("Ball bar ", names, ": measured - predicted, ", text), "um", panels), text,
-         "measured - predicted, um", in_degrees});
+         plot::PolarChart(absl::StrCat(In("Ball bar ", "Kreisformtest "), names,
+                                       In(": measured - predicted, ", ": gemessen minus vorhergesagt, "), text),
+                          Um(), panels, language_),
+         text, MeasuredLessPredicted(), in_degrees});
   }
 
   // The name with .svg, counted on where sessions whose names differ by other characters alone came before.
@@ -462,6 +489,7 @@ class Painter {
 
   const Machine& machine_;
   const Report& report_;
+  const base::Language language_;
   std::vector<const MeasuringRun*> runs_;
   std::vector<Picture> pictures_;
 };
@@ -469,8 +497,8 @@ class Painter {
 }  // namespace
 
 std::vector<Picture> Pictures(const Machine& machine, const std::vector<MeasuringRun>& fit,
-                              const std::vector<MeasuringRun>& check, const Report& report) {
-  Painter painter(machine, fit, check, report);
+                              const std::vector<MeasuringRun>& check, const Report& report, base::Language language) {
+  Painter painter(machine, fit, check, report, language);
   painter.AddResiduals();
   painter.AddSpectra();
   painter.AddTraces();

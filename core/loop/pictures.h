@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/language.h"
 #include "core/loop/report.h"
 #include "core/plot/charts.h"
 
@@ -19,7 +20,7 @@ struct Picture {
   std::vector<plot::Panel> panels;
 };
 
-// `fit` and `check`: the runs that the report was made of, in the same order.
+// All texts in `language`, of the ranking in English. `fit` and `check`: the runs that the report was made of, in the same order.
 //   residual-AXIS.svg, residual-time.svg, residual-temperature.svg   of variables that vary; um, mm, deg, s, deg C;
 //                         along an axis by the sense of its motion, where a session went both ways
 //   spectrum-AXIS.svg     of what goes once about a rotary axis or over the most of a linear axis' way: amplitude of
@@ -31,7 +32,8 @@ struct Picture {
 //   orders-SYMBOL-AXIS.svg    amplitude of each order of that
 //   ranking.svg           the first search's candidates by score
 std::vector<Picture> Pictures(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& fit,
-                              const std::vector<instruments::MeasuringRun>& check, const Report& report);
+                              const std::vector<instruments::MeasuringRun>& check, const Report& report,
+                              base::Language language = base::Language::kEnglish);
 
 }  // namespace axiscal::loop
 

@@ -87,6 +87,15 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
   const std::vector<Picture> again = Pictures(machine, fit, check, report);
   ASSERT_EQ(again.size(), pictures.size());
   for (size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].svg, pictures[i].svg);
+  // In German the same files, without a word of English.
+  const std::vector<Picture> german = Pictures(machine, fit, check, report, base::Language::kGerman);
+  ASSERT_EQ(german.size(), pictures.size());
+  for (size_t i = 0; i < german.size(); ++i) {
+    EXPECT_EQ(german[i].file, pictures[i].file);
+    if (german[i].panels.empty()) continue;
+    for (const char* word : {"before", "after", "measured", "predicted", "rms", " over ", "order", "time,", "deg"})
+      EXPECT_EQ(german[i].svg.find(word), std::string::npos) << german[i].file << " holds '" << word << "'";
+  }
 }
 
 // What was found stands in a curve and its spectrum; backlash lies between the two senses of motion.

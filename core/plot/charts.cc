@@ -15,10 +15,14 @@ const char* const kColors[] = {"#1f77b4", "#d95f02", "#1b9e77", "#7570b3", "#e72
 
 std::string ColorOf(size_t series) { return kColors[series % std::size(kColors)]; }
 
-std::string NumberText(double number) { return absl::StrFormat("%.6g", number + 0.0); }
+using base::Language;
+
+std::string NumberText(double number, Language language = Language::kEnglish) {
+  return base::NumberIn(language, absl::StrFormat("%.6g", number + 0.0));
+}
 
 // Legends longer than a line are cut: the rest is "and n more".
-void Legend(const std::vector<Series>& series, double y, Svg* svg) {
+void Legend(const std::vector<Series>& series, double y, Language language, Svg* svg) {
   if (series.size() < 2) return;
   constexpr size_t kNamed = 8;
   constexpr double kPerLetter = 7.0;
@@ -26,7 +30,10 @@ void Legend(const std::vector<Series>& series, double y, Svg* svg) {
   for (size_t i = 0; i < series.size(); ++i) {
     const double width = 22.0 + kPerLetter * static_cast<double>(series[i].name.size());
     if (i == kNamed || x + width > kWidth - 120.0) {
-      svg->Text({x, y + 4.0}, absl::StrCat("and ", series.size() - i, " more"), Anchor::kStart, 11.0);
+      svg->Text({x, y + 4.0},
+                language == Language::kGerman ? absl::StrCat("und ", series.size() - i, " weitere")
+                                              : absl::StrCat("and ", series.size() - i, " more"),
+                Anchor::kStart, 11.0);
       return;
     }
     svg->Circle({x + 4.0, y}, 4.0, "none", ColorOf(i));
@@ -78,10 +85,12 @@ std::vector<double> ScalesOf(const std::vector<Panel>& panels) {
   return scales;
 }
 
-std::string TitleOf(const Panel& panel, double scale, const std::vector<double>& scales) {
+std::string TitleOf(const Panel& panel, double scale, const std::vector<double>& scales, Language language) {
   const double largest = *std::max_element(scales.begin(), scales.end());
   if (scale >= largest) return panel.title;
-  return absl::StrFormat("%s (drawn %.1f times larger)", panel.title, largest / scale);
+  const std::string times = base::NumberIn(language, absl::StrFormat("%.1f", largest / scale));
+  return absl::StrCat(panel.title, language == Language::kGerman ? absl::StrCat(" (", times, "-mal größer gezeichnet)")
+                                                                 : absl::StrCat(" (drawn ", times, " times larger)"));
 }
 
 }  // namespace
@@ -157,7 +166,7 @@ std::vector<Point> Thinned(std::vector<Point> points) {
 }
 
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::string& y_label,
-                         const std::vector<Panel>& panels, Ground ground) {
+                         const std::vector<Panel>& panels, Ground ground, Language language) {
   const double height = kTop + static_cast<double>(panels.size()) * (kPanelHeight + kGap) + 40.0;
   Svg svg(kWidth, height);
   svg.Text({kLeft, 24.0}, title, Anchor::kStart, 16.0, true);
@@ -180,14 +189,14 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
     const auto y_of = [&](double y) {
       return is_up ? bottom - y / reach * kPanelHeight : 0.5 * (top + bottom) - y / reach * 0.5 * kPanelHeight;
     };
-    svg.Text({kLeft, top - 7.0}, TitleOf(panels[p], scales[p], scales), Anchor::kStart, 13.0, true);
+    svg.Text({kLeft, top - 7.0}, TitleOf(panels[p], scales[p], scales, language), Anchor::kStart, 13.0, true);
     for (const double tick : Ticks(is_up ? 0.0 : -reach, reach, 6)) {
       svg.Line({kLeft, y_of(tick)}, {right, y_of(tick)}, tick == 0.0 ? kInk : kGrid);
-      svg.Text({kLeft - 8.0, y_of(tick) + 4.0}, NumberText(tick), Anchor::kEnd);
+      svg.Text({kLeft - 8.0, y_of(tick) + 4.0}, NumberText(tick, language), Anchor::kEnd);
     }
     for (const double tick : Ticks(x_span.low, x_span.high, 10)) {
       svg.Line({x_of(tick), top}, {x_of(tick), bottom}, kGrid);
-      svg.Text({x_of(tick), bottom + 16.0}, NumberText(tick), Anchor::kMiddle);
+      svg.Text({x_of(tick), bottom + 16.0}, NumberText(tick, language), Anchor::kMiddle);
     }
     svg.Rectangle({kLeft, top}, right - kLeft, kPanelHeight, kInk, "none");
     svg.Text({20.0, 0.5 * (top + bottom)}, y_label, Anchor::kMiddle, 12.0, false, true);
@@ -203,11 +212,12 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
     }
   }
   svg.Text({0.5 * (kLeft + right), height - 34.0}, x_label, Anchor::kMiddle, 13.0);
-  if (!panels.empty()) Legend(panels[0].series, height - 12.0, &svg);
+  if (!panels.empty()) Legend(panels[0].series, height - 12.0, language, &svg);
   return svg.Finish();
 }
 
-std::string PolarChart(const std::string& title, const std::string& unit, const std::vector<Panel>& panels) {
+std::string PolarChart(const std::string& title, const std::string& unit, const std::vector<Panel>& panels,
+                       Language language) {
   constexpr double kSide = 470.0, kBase = 120.0, kReach = 70.0;  // base circle and what stands for the scale, pixels
   const double width = std::max(1.0, static_cast<double>(panels.size())) * kSide + 20.0, height = kSide + 90.0;
   Svg svg(width, height);
@@ -215,7 +225,7 @@ std::string PolarChart(const std::string& title, const std::string& unit, const 
   const std::vector<double> scales = ScalesOf(panels);
   for (size_t p = 0; p < panels.size(); ++p) {
     const Pixel center = {20.0 + kSide * (static_cast<double>(p) + 0.5), 66.0 + 0.5 * kSide};
-    svg.Text({center.x, 56.0}, TitleOf(panels[p], scales[p], scales), Anchor::kMiddle, 13.0, true);
+    svg.Text({center.x, 56.0}, TitleOf(panels[p], scales[p], scales, language), Anchor::kMiddle, 13.0, true);
     const double per_pixel = scales[p] / kReach;
     for (double angle = 0.0; angle < 359.0; angle += 45.0) {
       const double c = std::cos(angle * M_PI / 180.0), s = -std::sin(angle * M_PI / 180.0), end = kBase + kReach + 10.0;
@@ -239,7 +249,7 @@ std::string PolarChart(const std::string& title, const std::string& unit, const 
     }
     // Over the traces, each on a patch of paper.
     for (const double tick : Ticks(-scales[p], scales[p], 4)) {
-      const std::string text = tick == 0.0 ? "0 " + unit : NumberText(tick);
+      const std::string text = tick == 0.0 ? "0 " + unit : NumberText(tick, language);
       const double y = center.y - kBase - tick / per_pixel, text_width = 6.0 * static_cast<double>(text.size()) + 4.0;
       svg.Rectangle({center.x - 0.5 * text_width, y - 7.0}, text_width, 14.0, "none", "#ffffff");
       svg.Text({center.x, y + 4.0}, text, Anchor::kMiddle, 11.0);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/language.h"
 #include "core/plot/svg.h"
 
 namespace axiscal::plot {
@@ -28,14 +29,16 @@ struct Panel {
 enum class Ground { kMiddle, kBottom };
 
 // Panels one below the other over one x axis. All have the y scale of the largest, but a panel that would fill less
-// than a quarter of it gets its own, and says so. Points that are not finite are left out; of more than 5,000 points of
-// a series each pixel column keeps the highest and the lowest.
+// than a quarter of it gets its own, and says so in `language`, which also writes the numbers. Points that are not
+// finite are left out; of more than 5,000 points of a series each pixel column keeps the highest and the lowest.
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::string& y_label,
-                         const std::vector<Panel>& panels, Ground ground = Ground::kMiddle);
+                         const std::vector<Panel>& panels, Ground ground = Ground::kMiddle,
+                         base::Language language = base::Language::kEnglish);
 
 // Panels side by side; a point's x is the angle (rad, counter-clockwise from the right), its y the deviation from the
 // base circle, outwards. `unit`: of y.
-std::string PolarChart(const std::string& title, const std::string& unit, const std::vector<Panel>& panels);
+std::string PolarChart(const std::string& title, const std::string& unit, const std::vector<Panel>& panels,
+                       base::Language language = base::Language::kEnglish);
 
 struct Bar {
   std::string name;

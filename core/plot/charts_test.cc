@@ -46,6 +46,10 @@ TEST(Charts, APanelThatWouldBeFlatGetsItsOwnScaleAndSaysSo) {
       ScatterChart("t", "x", "y", {{"before", {big}}, {"after", {small}}}).find("after (drawn 10.0 times larger)"),
       std::string::npos);
   EXPECT_EQ(ScatterChart("t", "x", "y", {{"before", {big}}, {"after", {half}}}).find("drawn"), std::string::npos);
+  const std::string german =
+      ScatterChart("t", "x", "y", {{"a", {big}}, {"b", {small}}}, Ground::kMiddle, base::Language::kGerman);
+  EXPECT_NE(german.find("b (10,0-mal größer gezeichnet)"), std::string::npos);
+  EXPECT_EQ(german.find("drawn"), std::string::npos);
 }
 
 TEST(Charts, WhatAPictureShowsIsATableToo) {

@@ -8,11 +8,6 @@
 namespace axiscal::sheet {
 namespace {
 
-std::string InLanguage(std::string text, Language language) {
-  if (language == Language::kGerman) std::replace(text.begin(), text.end(), '.', ',');
-  return text;
-}
-
 // Without "-0" and "-0.00".
 std::string Fixed(double number, int decimals) {
   std::string text = absl::StrFormat("%.*f", decimals, number);
@@ -25,21 +20,22 @@ std::string Fixed(double number, int decimals) {
 std::string NumberText(double number, int digits, Language language) {
   if (!std::isfinite(number)) return kNone;
   const double size = std::abs(number);
-  if (size != 0.0 && (size < 1e-4 || size >= 1e9)) return InLanguage(absl::StrFormat("%.*g", digits, number), language);
+  if (size != 0.0 && (size < 1e-4 || size >= 1e9))
+    return base::NumberIn(language, absl::StrFormat("%.*g", digits, number));
   const int order = size == 0.0 ? 0 : static_cast<int>(std::floor(std::log10(size)));
   std::string text = Fixed(number, std::max(0, digits - 1 - order));
   if (text.find('.') != std::string::npos) {
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
   }
-  return InLanguage(text, language);
+  return base::NumberIn(language, text);
 }
 
 std::string ValueText(double value, double sigma, Language language) {
   if (!std::isfinite(value)) return kNone;
   if (!std::isfinite(sigma) || !(sigma > 0.0)) return NumberText(value, 4, language);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
-  return InLanguage(Fixed(value, decimals), language);
+  return base::NumberIn(language, Fixed(value, decimals));
 }
 
 std::string TimeText(base::UtcTime time) {

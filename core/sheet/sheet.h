@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/language.h"
+
 namespace axiscal::sheet {
 
-enum class Language { kEnglish, kGerman };
+using base::Language;
 
 struct Fact {
   std::string name, value;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/numbers.h"
 #include "core/base/error_detail.h"
+#include "core/base/language.h"
 #include "core/loop/pictures.h"
 #include "server/handlers/calibration_fit.h"
 #include "server/handlers/get_server_info.h"
@@ -50,10 +51,18 @@ void AddNumbers(const loop::Picture& picture, v1::CalibrationPicture* sent) {
   }
 }
 
+absl::StatusOr<base::Language> LanguageOf(const std::string& name) {
+  if (name.empty() || name == "en") return base::Language::kEnglish;
+  if (name == "de") return base::Language::kGerman;
+  return base::Error(absl::StatusCode::kInvalidArgument, absl::StrCat("language = '", name, "', must be en or de"),
+                     {"FIELD_INVALID", {{"field", "language"}}});
+}
+
 }  // namespace
 
 absl::StatusOr<v1::DrawCalibrationResponse> DrawCalibration(Core& core, const Call& call,
                                                             const v1::DrawCalibrationRequest& request) {
+  ASSIGN_OR_RETURN(const base::Language language, LanguageOf(request.language()));
   ASSIGN_OR_RETURN(const std::shared_ptr<const CalibrationFit> fit,
                    core.fits->Of(core.database, CalibrationId(request.calibration_id()), call.is_cancelled));
   v1::DrawCalibrationResponse response;
@@ -62,7 +71,7 @@ absl::StatusOr<v1::DrawCalibrationResponse> DrawCalibration(Core& core, const Ca
   report.fitted.model = fit->model;
   for (size_t i = 0; i < fit->runs.size(); ++i)
     report.residuals.push_back({fit->runs[i].session, false, fit->before_mm[i], fit->after_mm[i]});
-  std::vector<loop::Picture> pictures = loop::Pictures(fit->machine, fit->runs, {}, report);
+  std::vector<loop::Picture> pictures = loop::Pictures(fit->machine, fit->runs, {}, report, language);
   if (!request.file().empty()) {
     std::erase_if(pictures, [&](const loop::Picture& picture) { return picture.file != request.file(); });
     if (pictures.empty()) {

@@ -122,6 +122,18 @@ TEST_F(Job, ACalibrationIsDrawnWithoutAndWithItsErrors) {
   request.set_file("spectrum-Q.svg");
   grpc::ClientContext none;
   EXPECT_THAT(stub->DrawCalibration(&none, request, &drawn).error_message(), HasSubstr("no picture 'spectrum-Q.svg'"));
+  // In the reader's language.
+  request.set_file("residual-C.svg");
+  request.set_language("de");
+  grpc::ClientContext in_german;
+  ASSERT_TRUE(stub->DrawCalibration(&in_german, request, &drawn).ok());
+  ASSERT_EQ(drawn.pictures_size(), 1);
+  EXPECT_EQ(drawn.pictures(0).x_label(), "C, °");
+  EXPECT_THAT(drawn.pictures(0).svg(), HasSubstr("vorher: quadr. Mittel 3,5"));
+  request.set_language("fr");
+  grpc::ClientContext in_french;
+  EXPECT_THAT(stub->DrawCalibration(&in_french, request, &drawn).error_message(), HasSubstr("language = 'fr'"));
+  request.clear_language();
   request.clear_file();
 
   request.set_calibration_id(id.number() + 1);
