@@ -43,7 +43,7 @@ TEST(Calls, RunsThatDifferAreCopies) {
             "G1 X1.0417 B0. F100\nN10 M98 P1000 (A)\nB90. X2.0000 Z-0.0417\nN20 M98 P1002 (B)\nB0. X2.0417 "
             "Z0.0000\nM98 P1000\n"
             "M30\nO1000\nX2.0417\nM99\nO1002\nX2.\nM99\nO1001\nM99\n");
-  EXPECT_THAT(outcome.report.notes, ::testing::Contains(HasSubstr("O1002 is a copy")));
+  EXPECT_THAT(TextsOf(outcome.report.notes), ::testing::Contains(HasSubstr("O1002 is a copy")));
 }
 
 TEST(Calls, RepeatsThatDifferAreSeveralCalls) {

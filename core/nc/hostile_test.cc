@@ -82,7 +82,7 @@ std::string Outcome(const std::string& head, const std::string& program) {
     absl::StrAppend(&outcome, "passed: ", passed.blocks_passed, " blocks, corrected ", passed.blocks_corrected, "\n",
                     Findings(passed.passed));
   }
-  for (const std::string& note : passed.notes) absl::StrAppend(&outcome, "note: ", note, "\n");
+  for (const std::string& note : TextsOf(passed.notes)) absl::StrAppend(&outcome, "note: ", note, "\n");
   return outcome + "output:\n" + *text;
 }
 

@@ -287,7 +287,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->wrapped = step->downwards = step->frame.turned = step->kept_away = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
-  if (!step->note.empty()) step->note.clear();
+  if (!step->note.text.empty()) step->note = {};
   const char* const begin = text;
   block->word_count = 0;
   block->is_marked = false;
@@ -297,7 +297,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     case ProgramFrame::Kind::kNotABlock:
       return;
     case ProgramFrame::Kind::kTail:
-      step->note = absl::StrCat("line ", line_, ": text behind the end of the program is left as it is");
+      step->note = RemarkAt(line_, "text-after-end", "text behind the end of the program is left as it is");
       return;
     case ProgramFrame::Kind::kHead:
       return StartProgram();

@@ -22,6 +22,7 @@
 #include "core/nc/modal.h"
 #include "core/nc/options.h"
 #include "core/nc/program_frame.h"
+#include "core/nc/remark.h"
 #include "core/nc/tool_point_frame.h"
 #include "core/nc/variables.h"
 #include "core/nc/word_frame.h"
@@ -106,7 +107,7 @@ struct Step {
   uint16_t preset_axes = 0;  // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
   std::string reason;
-  std::string note;  // for the report: text after the end of the program
+  Remark note;  // for the report; one without text: nothing
   // Per axis of the machine; valid for kMove.
   std::array<int8_t, machine::kMaxAxes> word_of_axis{};  // index into Block::words, -1: none
   Positions start, end;

@@ -485,8 +485,10 @@ bool Interpreter::ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* s
   if (is_integer && !has_noted_integers_ && dialect_->integers_may_be_increments &&
       options_->integer_words == IntegerWords::kWholeUnits) {
     has_noted_integers_ = true;
-    step->note = absl::StrCat("line ", line_, ": word ", WordText(word),
-                              " has no point: such words count whole units here, on other controls least increments");
+    step->note =
+        RemarkAt(line_, "whole-units",
+                 absl::StrCat("word ", WordText(word),
+                              " has no point: such words count whole units here, on other controls least increments"));
   }
   if (is_in_range && !is_odd) return true;
   std::string problem = WordProblem(word);

@@ -63,8 +63,8 @@ JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOp
   report_.is_null_correction = compensator.is_null();
   report_.has_source_crc32c = options.source_crc32c.has_value();
   report_.source_crc32c = options.source_crc32c.value_or(0);
-  report_.notes = compensator.not_carried();
-  for (std::string& note : report_.notes) note = "not carried: " + note;
+  for (const std::string& error : compensator.not_carried())
+    report_.notes.push_back({"not-carried", "not carried: " + error});
   for (const int axis : compensator.linear_axes()) report_.axes.push_back({compensator.machine().axes[axis].name, {}});
   if (!options.orientation) return;
   report_.has_orientation = true;
@@ -76,8 +76,8 @@ JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOp
   }
 }
 
-void JobReport::Note(const BlockText& block, const std::string& text) {
-  if (report_.notes.size() < kMaxNotes) report_.notes.push_back(absl::StrCat("line ", block.line, ": ", text));
+void JobReport::Note(const BlockText& block, const std::string& kind, const std::string& text) {
+  if (report_.notes.size() < kMaxNotes) report_.notes.push_back(RemarkAt(block.line, kind, text));
 }
 
 void JobReport::AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings) {

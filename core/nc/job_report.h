@@ -33,8 +33,7 @@ class JobReport {
     if (name != source_) report_.not_corrected.End();
     source_ = name;
   }
-  // "line 7: " and the text.
-  void Note(const BlockText& block, const std::string& text);
+  void Note(const BlockText& block, const std::string& kind, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.
   void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
   // Because of this block the program is refused.

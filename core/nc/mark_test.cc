@@ -40,7 +40,7 @@ TEST(Mark, AProgramOfWhichNoWordChangesCarriesNoMark) {
     const auto text = RewriteText(program, LeaningHead(), options, &report);
     ASSERT_TRUE(text.ok()) << text.status();
     EXPECT_EQ(*text, program);
-    EXPECT_THAT(report.notes, ::testing::Contains(HasSubstr("no word changed")));
+    EXPECT_THAT(TextsOf(report.notes), ::testing::Contains(HasSubstr("no word changed")));
   }
 }
 

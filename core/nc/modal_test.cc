@@ -97,10 +97,15 @@ TEST(Modal, WordsWithoutAPointAreNoted) {
   const std::string note =
       "line 2: word X5 has no point: such words count whole units here, on other controls least increments";
   const std::string program = "G1 X0 Y0.\nX5\nX7\n";
-  EXPECT_THAT(Rewritten(program, kAtZero).report.notes, ::testing::ElementsAre(note));
+  const RewriteReport report = Rewritten(program, kAtZero).report;
+  EXPECT_THAT(TextsOf(report.notes), ::testing::ElementsAre(note));
+  // Programs read what it is about by its name, and where.
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_EQ(report.notes[0].kind, "whole-units");
+  EXPECT_EQ(report.notes[0].line, 2);
   RewriteOptions options = kAtZero;
   options.dialect = "linuxcnc";
-  EXPECT_THAT(Rewritten(program, options).report.notes, ::testing::IsEmpty());
+  EXPECT_THAT(TextsOf(Rewritten(program, options).report.notes), ::testing::IsEmpty());
 }
 
 TEST(Modal, TextBehindASubstituteIsNotTakenForTheEnd) {

@@ -311,7 +311,7 @@ TEST(Orientation, TravelLimitsHoldForRotaryCorrections) {
 TEST(Orientation, HalfTurnsAreNoted) {
   const Case leaning = Of(machine::testing::MultiTasking(), {{"EA0B", 20e-6}});
   const Outcome outcome = Rewritten("G0 B30.\nC170.\nC-10.\nC170.\n", Turning(), leaning.compensator());
-  EXPECT_THAT(outcome.report.notes, ::testing::ElementsAre(HasSubstr("line 3: a move of C by half a turn")));
+  EXPECT_THAT(TextsOf(outcome.report.notes), ::testing::ElementsAre(HasSubstr("line 3: a move of C by half a turn")));
 }
 
 TEST(Orientation, AMachineWithoutARotaryAxisRefusesTheOption) {

@@ -151,7 +151,9 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   report.refused = FindingsOf(found.refused);
   report.ranges_not_corrected = found.not_corrected.count;
   report.not_corrected = found.not_corrected.listed;
-  report.notes = found.notes;
+  report.notes = TextsOf(found.notes);
+  for (const Remark& note : found.notes)
+    report.note_kinds.push_back({note.kind, note.line > 0 ? std::optional(note.line) : std::nullopt});
   if (found.has_source_crc32c) report.source_crc32c = absl::StrFormat("%08x", found.source_crc32c);
   return report;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/nc/options.h"
+#include "core/nc/remark.h"
 #include "core/reports/rewrite.h"
 
 namespace axiscal::nc {
@@ -133,8 +134,7 @@ struct RewriteReport {
   int64_t blocks_refused = 0;
   std::vector<Finding> passed, refused;  // the first kMaxFindings of each
   LineRanges not_corrected;              // of a null correction: empty
-  std::vector<std::string>
-      notes;  // what the reader must know: tool changes, text after the program's end, effects not carried
+  std::vector<Remark> notes;             // tool changes, text after the program's end, effects not carried
   std::string dialect;
   std::vector<Shift> shifts;            // the first kMaxShifts tools and offsets
   std::vector<std::string> axis_names;  // of `shifts`, `least`, `greatest`

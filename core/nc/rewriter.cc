@@ -58,14 +58,14 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   }
   job.report().blocks_read += step.has_words;
   has_changed_frame = false;
-  if (!step.note.empty() && job.report().notes.size() < 100) job.report().notes.push_back(step.note);
+  if (!step.note.text.empty() && job.report().notes.size() < 100) job.report().notes.push_back(step.note);
   if (block.is_marked && !is_overlong) {
     if (!is_null()) {
       status = absl::InvalidArgumentError(absl::StrCat(
           "line ", now.line, ": '", Shown(now), "': this program was compensated before; rewrite its source instead"));
       return;
     }
-    job.Note(now, "this program was compensated before");
+    job.Note(now, "compensated-before", "this program was compensated before");
   }
   if (is_null()) return Observe();
   if (step.jumps_back && job.report().blocks_corrected > 0) {
@@ -80,10 +80,10 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   has_ended = step.ends_program || (has_ended && !step.has_other_words);
   if (step.has_other_words && !has_mark_place) KeepMarkPlace();
   if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
-    job.Note(now, "tool change; all moves are corrected for the one tool point stated");
+    job.Note(now, "tool-change", "tool change; all moves are corrected for the one tool point stated");
   if (step.frame.is_changed && step.kind != StepKind::kUnsupported && !step.moves_away) {
     if (step.frame.to == FrameChange::To::kWords && !has_noted_tool_point)
-      job.Note(now,
+      job.Note(now, "tool-point-control",
                "tool centre point control: its kinematics are taken as machine.json's nominal chain, words as in the "
                "workpiece's frame with the table at zero");
     has_noted_tool_point |= step.frame.to == FrameChange::To::kWords;
@@ -121,13 +121,15 @@ void Rewriter::Impl::NoteKept() {
     if (step.kept_away >> axis & 1)
       absl::StrAppend(&names, names.empty() ? "" : ", ", compensator.machine().axes[axis].name);
   }
-  job.Note(now, absl::StrCat("tool changes are taken to leave ", names, " where they stand, as stated"));
+  job.Note(now, "tool-change-keeps",
+           absl::StrCat("tool changes are taken to leave ", names, " where they stand, as stated"));
 }
 
 void Rewriter::Impl::Skip(const char* text, size_t size) {
   interpreter.SkipLine();
   if (interpreter.line() == 1)
-    job.report().notes.push_back("line 1: text in front of the first '%' is left as it is: no control reads it");
+    job.report().notes.push_back(
+        RemarkAt(1, "text-before-start", "text in front of the first '%' is left as it is: no control reads it"));
   if (status.ok() && !is_null()) out.append(text, size);
 }
 
@@ -499,8 +501,9 @@ void Rewriter::Impl::NoteHalfTurns() {
     const double apart_deg = std::abs(std::fmod(travel_deg, 360.0) - 180.0);
     if (apart_deg > 2.0 * options.max_rotary_correction_rad * base::kDegPerRad) continue;
     half_turns |= bit;
-    job.Note(now, absl::StrCat("a move of ", machine.axes[i].name,
-                               " by half a turn: a control that takes the shorter way may now take the other one"));
+    job.Note(now, "half-turn",
+             absl::StrCat("a move of ", machine.axes[i].name,
+                          " by half a turn: a control that takes the shorter way may now take the other one"));
   }
 }
 
@@ -566,7 +569,8 @@ absl::Status Rewriter::Finish() {
   impl_->job.Finish();
   impl_->Flush();
   if (!impl_->is_null() && !impl_->is_mark_written && !impl_->job.is_refused())
-    impl_->job.report().notes.push_back("no word changed: the program stays byte for byte, without a mark");
+    impl_->job.report().notes.push_back(
+        {"unchanged", "no word changed: the program stays byte for byte, without a mark"});
   if (impl_->status.ok() && impl_->job.is_refused()) impl_->status = impl_->job.Refusal();
   return impl_->status;
 }

@@ -166,15 +166,15 @@ class Rewriter::Impl::Written {
   }
 
   // "O1000 is written as O1001 and O1002 too".
-  std::vector<std::string> Notes() const {
-    std::vector<std::string> notes;
+  std::vector<Remark> Notes() const {
+    std::vector<Remark> notes;
     for (const auto& [body, versions] : versions_) {
       if (versions.size() < 2) continue;
       std::string names;
       for (size_t i = 1; i < versions.size(); ++i) absl::StrAppend(&names, i > 1 ? ", " : "", versions[i].name);
-      notes.push_back(absl::StrCat(versions[0].name, " is not corrected alike by all its calls: ", names, " ",
-                                   versions.size() > 2 ? "are copies" : "is a copy",
-                                   " for others; no program of the control may have that name"));
+      notes.push_back({"copies", absl::StrCat(versions[0].name, " is not corrected alike by all its calls: ", names,
+                                              " ", versions.size() > 2 ? "are copies" : "is a copy",
+                                              " for others; no program of the control may have that name")});
     }
     return notes;
   }
@@ -433,7 +433,7 @@ void Rewriter::Impl::RunCalls() {
   }
   job.report().blocks_inserted += written.blocks_inserted();
   job.report().subprograms = std::move(files);
-  for (std::string& note : written.Notes()) job.report().notes.push_back(std::move(note));
+  for (Remark& note : written.Notes()) job.report().notes.push_back(std::move(note));
   if (wants_mark) {
     out.insert(is_flushed ? out.size() : mark_place,
                HeadComments(interpreter.dialect(), compensator, options, *options.source_crc32c, mark_line_end));

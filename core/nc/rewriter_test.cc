@@ -92,7 +92,7 @@ TEST(Rewriter, LineEndsCommentsAndFrameStay) {
   EXPECT_REWRITTEN(kAtZero, "G1 X  1 6.339  Y -25.409\n", "G1 X  16.3807  Y -25.409\n");
   const Outcome tail = Rewritten("%\nG1 X1.\n%\nG2 X1. (A-01674600B00\n", kAtZero);
   EXPECT_EQ(tail.text, "%\nG1 X1.0417\n%\nG2 X1. (A-01674600B00\n");
-  EXPECT_THAT(tail.report.notes, ::testing::Contains(HasSubstr("line 4: text behind the end")));
+  EXPECT_THAT(TextsOf(tail.report.notes), ::testing::Contains(HasSubstr("line 4: text behind the end")));
 }
 
 // Programs may hold anything: a terminal, a log and a message of the service take what is shown of them.

@@ -584,9 +584,9 @@ void Interpreter::PlaceWords(Request* request, Step* step) {
   }
   if (in_table && !has_noted_tilt_) {
     has_noted_tilt_ = true;
-    step->note = absl::StrCat("line ", line_,
-                              ": tilted plane: the control's kinematics are taken as machine.json's nominal chain, the "
-                              "work offset as that of the table at zero");
+    step->note = RemarkAt(line_, "tilted-plane",
+                          "tilted plane: the control's kinematics are taken as machine.json's nominal chain, the work "
+                          "offset as that of the table at zero");
   }
   step->frame = {true, FrameChange::To::kSame, kept, coordinates_.length(), step->frame.turned};
 }

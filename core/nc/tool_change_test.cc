@@ -35,7 +35,8 @@ TEST(ToolChange, StatedAxesStandWhereTheyStoodAndAllOthersAreUnknown) {
   EXPECT_EQ(kept.text.substr(kept.text.find("G1 Z")), named.text.substr(named.text.find("G1 Z")));
   EXPECT_THAT(kept.text, Not(HasSubstr("G1 Z2.\n")));
   const testing::Outcome noted = Rewritten(kTwoTools, Keeping({"B", "C"}));
-  EXPECT_THAT(noted.report.notes, Contains("line 2: tool changes are taken to leave B, C where they stand, as stated"));
+  EXPECT_THAT(TextsOf(noted.report.notes),
+              Contains("line 2: tool changes are taken to leave B, C where they stand, as stated"));
 }
 
 TEST(ToolChange, TheRefusalSaysWhatToState) {

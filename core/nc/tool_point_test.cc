@@ -152,7 +152,7 @@ TEST(ToolPoint, MovesThatTurnTheToolAlikeNeedNoKindOfTurning) {
         Rewritten(absl::StrCat("D1\nTRAORI\nG54 ", kind, "\n", moves), Options("sinumerik"), Leaning());
     ASSERT_TRUE(outcome.status.ok()) << kind << outcome.status;
     EXPECT_EQ(outcome.text.substr(outcome.text.find("G0 ")), text) << kind;
-    EXPECT_THAT(outcome.report.notes, ::testing::Contains(HasSubstr("makes less than 50 urad"))) << kind;
+    EXPECT_THAT(TextsOf(outcome.report.notes), ::testing::Contains(HasSubstr("makes less than 50 urad"))) << kind;
   }
 }
 

@@ -97,12 +97,11 @@ bool Interpreter::TurnsAlike(Step* step) {
       if (apart_rad > kStandsRad && apart_rad > kAlikeAxisRad * lever) return false;
     }
   }
-  if (!has_noted_turning_ && step->note.empty()) {
+  if (!has_noted_turning_ && step->note.text.empty()) {
     has_noted_turning_ = true;
-    step->note =
-        absl::StrCat("line ", line_,
-                     ": whether the tool turns by a vector (ORIVECT) or axis by axis (ORIAXES) makes less than "
-                     "50 urad here, and is not asked");
+    step->note = RemarkAt(line_, "turning-alike",
+                          "whether the tool turns by a vector (ORIVECT) or axis by axis (ORIAXES) makes less than "
+                          "50 urad here, and is not asked");
   }
   return true;
 }
@@ -140,13 +139,14 @@ std::string Interpreter::TurnToVector(const Block& block, const Request& request
     return absl::StrCat("machine '", machine_->id,
                         "' has not two rotary axes: where they go for a vector is not known");
   step->has_vector = step->takes_no_rotary_words = true;
-  if (!has_noted_vector_ && step->note.empty()) {
+  if (!has_noted_vector_ && step->note.text.empty()) {
     has_noted_vector_ = true;
-    step->note = absl::StrCat(
-        "line ", line_,
-        ": tool vectors: each rotary axis is taken to go to the nearer of the places that give the direction, in "
-        "proportion to the move",
-        dialect_->has_poles ? ", and the tool to have no differences (DL, DR, DR2) in the tool table" : "");
+    step->note = RemarkAt(
+        line_, "tool-vectors",
+        absl::StrCat(
+            "tool vectors: each rotary axis is taken to go to the nearer of the places that give the "
+            "direction, in proportion to the move",
+            dialect_->has_poles ? ", and the tool to have no differences (DL, DR, DR2) in the tool table" : ""));
   }
   if (is_known) {
     const Eigen::Vector3d now = frame_of_words_.Up(step->start.ticks);

@@ -33,6 +33,7 @@ Rewrite ARewrite() {
   report.ranges_not_corrected = 1;
   report.not_corrected = {{3, 5, "G91"}};
   report.notes = {"line 4: tool change", "not UTF-8: \xff"};
+  report.note_kinds = {{"tool-change", 4}, {"profile", std::nullopt}};
   report.source_crc32c = "00ab12ef";
   return report;
 }

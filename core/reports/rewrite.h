@@ -84,6 +84,12 @@ struct Stretch {
   double before_max_um = 0.0, after_max_um = 0.0;  // predicted error of the tool point there
 };
 
+// What a note is about, by a stable name.
+struct NoteKind {
+  std::string kind = {};
+  std::optional<int64_t> line = {};  // of the source, from 1
+};
+
 struct Rewrite {
   std::string calibration = {};
   std::string dialect = {};      // as which the program was read
@@ -106,6 +112,7 @@ struct Rewrite {
   int64_t ranges_not_corrected = 0;
   std::vector<LineRange> not_corrected = {};  // the first of them; none of a null correction, which corrects nothing
   std::vector<std::string> notes = {};
+  std::vector<NoteKind> note_kinds = {};          // of each of them; none in a report of an older version
   std::optional<std::string> source_crc32c = {};  // eight hexadecimal digits
 };
 

@@ -32,6 +32,12 @@ void Members(Io& io, base::Like<Io, LineRange> range) {
 }
 
 template <typename Io>
+void Members(Io& io, base::Like<Io, NoteKind> note) {
+  io.Required("kind", note.kind);
+  io.Member("line", note.line);
+}
+
+template <typename Io>
 void Members(Io& io, base::Like<Io, Blocks> blocks) {
   io.Member("read", blocks.read);
   io.Member("corrected", blocks.corrected);
@@ -118,6 +124,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("ranges_not_corrected", report.ranges_not_corrected);
   io.Member("not_corrected", report.not_corrected);
   io.Member("notes", report.notes);
+  io.IfAny("note_kinds", report.note_kinds);
   io.Member("source_crc32c", report.source_crc32c);
 }
 

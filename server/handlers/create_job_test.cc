@@ -122,7 +122,7 @@ TEST_F(CreateJobTest, ACompensationTakesWhatIsOpenFromTheMachinesProfile) {
   };
   auto compensation = filled();
   ASSERT_TRUE(compensation.ok()) << compensation.status();
-  EXPECT_EQ(compensation->notes.back(),
+  EXPECT_EQ(compensation->notes.back().text,
             "of the machine's profile: --tool-tip, --dialect, --unit, --harmless-m, --offset G55, --tool-length 7");
   const nc::RewriteOptions& options = compensation->options;
   EXPECT_EQ(options.dialect, "haas");

@@ -76,7 +76,7 @@ absl::StatusOr<v1::MakeTableResponse> MakeTable(Core& core, const Call& call, co
   ASSIGN_OR_RETURN(const machine::Machine machine, inputs::MachineFor(core.database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
   params.request.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
-  params.request.notes = inputs::NotesOnInseparableErrors(calibration);
+  params.request.notes = nc::TextsOf(inputs::NotesOnInseparableErrors(calibration));
   RETURN_IF_ERROR(AddMeasuredRanges(core.database, calibration, machine, call, &params.request));
   const absl::StatusOr<tables::MadeTable> made = tables::MakeTable(machine, errors, params.request);
   if (!made.ok()) return WithReason(made.status());

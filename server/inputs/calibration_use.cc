@@ -82,18 +82,19 @@ absl::Status CheckTables(storage::Database& database, const records::Calibration
                      {"TABLE_HANDED_OUT", {}});
 }
 
-std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {
-  std::vector<std::string> notes;
+std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {
+  std::vector<nc::Remark> notes;
   const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
   const std::string name = absl::StrCat("calibration ", calibration.id.number());
   if (!report.ok()) {
     if (!calibration.content.report_json.empty())
-      notes.push_back(absl::StrCat(name, ": what it cannot tell apart is not known (", report.status().message(), ")"));
+      notes.push_back({"apart-not-known", absl::StrCat(name, ": what it cannot tell apart is not known (",
+                                                       report.status().message(), ")")});
     return notes;
   }
   constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
   for (const std::string& direction : reports::FittedOf(*report).not_separable)
-    notes.push_back(absl::StrCat(name, " cannot tell apart ", direction, kElsewhere));
+    notes.push_back({"not-told-apart", absl::StrCat(name, " cannot tell apart ", direction, kElsewhere)});
   const auto* const loop = std::get_if<reports::Loop>(&*report);
   if (loop == nullptr) return notes;
   for (const reports::Effect& effect : loop->effects) {
@@ -101,7 +102,8 @@ std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationReco
     for (const reports::NamedTerm& other : effect.equivalent)
       absl::StrAppend(&others, others.empty() ? "" : ", ", other.name);
     if (others.empty()) continue;
-    notes.push_back(absl::StrCat(name, " cannot tell ", effect.is.name, " from ", others, kElsewhere));
+    notes.push_back(
+        {"not-told-apart", absl::StrCat(name, " cannot tell ", effect.is.name, " from ", others, kElsewhere)});
   }
   return notes;
 }

@@ -7,6 +7,7 @@
 
 #include "core/base/status.h"
 #include "core/machine/machine.h"
+#include "core/nc/remark.h"
 #include "server/storage/database.h"
 
 namespace axiscal::inputs {
@@ -27,7 +28,7 @@ absl::Status CheckTables(storage::Database& database, const records::Calibration
 // Where the sessions could not separate some errors, the model holds their sum as one of them. That is right at poses
 // like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users
 // of the correction must know: one line for each.
-std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
+std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
 
 }  // namespace axiscal::inputs
 

@@ -61,8 +61,8 @@ absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const 
   nc::RewriteOptions options = std::move(filled.stated.options);
   options.machine = params.machine.text();
   options.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
-  std::vector<std::string> notes = NotesOnInseparableErrors(calibration);
-  if (!filled.of_profile.empty()) notes.push_back("of the machine's profile: " + filled.of_profile);
+  std::vector<nc::Remark> notes = NotesOnInseparableErrors(calibration);
+  if (!filled.of_profile.empty()) notes.push_back({"profile", "of the machine's profile: " + filled.of_profile});
   return Compensation{std::move(calibration), std::move(compensator), std::move(options), std::move(notes),
                       record.revision};
 }

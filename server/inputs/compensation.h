@@ -7,6 +7,7 @@
 
 #include "core/compensate/compensator.h"
 #include "core/nc/options.h"
+#include "core/nc/remark.h"
 #include "proto/convert/job_params.h"
 #include "server/storage/database.h"
 
@@ -15,9 +16,9 @@ namespace axiscal::inputs {
 struct Compensation {
   records::CalibrationRecord calibration;
   compensate::Compensator compensator;
-  nc::RewriteOptions options;      // with the calibration's name for the mark
-  std::vector<std::string> notes;  // for the report: what the calibration cannot tell apart, what the profile said
-  int64_t machine_revision = 0;    // that said it
+  nc::RewriteOptions options;     // with the calibration's name for the mark
+  std::vector<nc::Remark> notes;  // for the report: what the calibration cannot tell apart, what the profile said
+  int64_t machine_revision = 0;   // that said it
 };
 
 // OK if the profile of the machine and what the params leave open go together. NOT_FOUND MACHINE_NOT_FOUND;
