@@ -91,6 +91,8 @@ export interface Problem {
   text: string;
   reason: string;
   isConnection: boolean;
+  code?: Code;
+  facts?: Record<string, string>; // which the reason has (proto/README.md)
   isOwn?: boolean; // the page says it, in the reader's language, not the server
 }
 
@@ -102,7 +104,18 @@ export function problemOf(error: unknown): Problem {
   const e = ConnectError.from(error);
   const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";
   if (e.code === Code.Unauthenticated) mustSignIn.value = true;
-  return { text: e.rawMessage, reason, isConnection: !isConnected.value };
+  return { text: e.rawMessage, reason, code: e.code, isConnection: !isConnected.value };
+}
+
+// The body of an answer that is no success (docs/http.md).
+export async function refusalOf(response: Response): Promise<Problem> {
+  const body = jsonOf<{ message?: string; details?: { debug?: { reason?: string; metadata?: Record<string, string> } }[] }>(await response.text());
+  return {
+    text: body?.message ?? `HTTP ${response.status}`,
+    reason: body?.details?.[0]?.debug?.reason ?? "",
+    facts: body?.details?.[0]?.debug?.metadata,
+    isConnection: false,
+  };
 }
 
 // All pages of a list; `most` rows at most, so that a page of the browser does not grow without end.

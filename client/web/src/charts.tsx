@@ -141,7 +141,7 @@ export function TimeLine(props: {
       {props.limits?.map((value) => <line class="limit" x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />)}
       {marks.map((us) => (
         <>
-          <line class="axis time-tick" x1={x(us)} x2={x(us)} y1={height - 22} y2={height - 18} />
+          <line class="axis time-tick" x1={x(us)} x2={x(us)} y1={height - 28} y2={height - 24} />
           <text class={`tick ${side(us)}`} x={x(us)} y={height - 6}>
             {format.format(dateOf(us))}
           </text>

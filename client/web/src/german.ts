@@ -2,6 +2,7 @@
 // the reader's language is English, or the kind is not known here: the server's own words stand then.
 import { DriftFindingKind, type DriftAmount, type DriftFinding, type LimitForecast, type StandingFinding } from "./gen/axiscal/v1/history_service_pb";
 import { EventKind, type Event } from "./gen/axiscal/v1/events_service_pb";
+import type { TableFormat } from "./gen/axiscal/v1/tables_service_pb";
 import { certaintyText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "./format";
 import { errorsIn } from "./iso";
 import { language } from "./text";
@@ -199,6 +200,16 @@ const kCauses: Record<string, string> = {
   nominal: "eine Angabe in einer Datei, nicht die Maschine",
   "not-repeatable": "wiederholt sich nicht, keine Eigenschaft der Maschine",
 };
+// What to do about it; the numbers, files and sessions of it stand in the server's words.
+const kTodo: Record<string, string> = {
+  instrument: "das Messmittel prüfen oder neu kalibrieren lassen:",
+  nominal: "die Angabe in der Datei berichtigen und neu identifizieren:",
+  "not-repeatable": "die Ursache suchen und noch einmal messen:",
+  uncertain: "genauer messen:",
+  undecided: "messen, was die Deutungen trennt:",
+};
+export const todoSaid = (kind: string): string | undefined => (isGerman() ? kTodo[kind] : undefined);
+
 const kTests: Record<string, string> = {
   "ballbar-pattern": "Kreisformtest, Bahn",
   "ballbar-circle": "Kreisformtest, Kreis",
@@ -207,6 +218,32 @@ const kTests: Record<string, string> = {
 export const causeSaid = (kind: string): Said | undefined => (isGerman() && kCauses[kind] ? { text: kCauses[kind], isWhole: false } : undefined);
 export const proposalSaid = (one: { test?: string; session: string | null }): Said | undefined =>
   isGerman() && one.test !== undefined && kTests[one.test] !== undefined ? { text: `${kTests[one.test]} ${one.session ?? ""}`, isWhole: false } : undefined;
+
+// What the rewriter notes, by its kind (docs/formats.md); names and numbers stand in the English.
+const kNotes: Record<string, string> = {
+  "not-carried": "Ein Fehler ist nicht korrigiert: ein Programm kann ihm nicht folgen, oder eine Angabe fehlt.",
+  "not-told-apart": "Diese Kalibrierung kann Fehler nicht trennen: die Korrektur gilt in Stellungen wie den gemessenen, anderswo ist das nicht bekannt.",
+  "apart-not-known": "Was diese Kalibrierung nicht trennen kann, ist nicht bekannt.",
+  profile: "Das stand in der Maschinenbeschreibung und galt für dieses Programm.",
+  "compensated-before": "Dieses Programm wurde schon einmal kompensiert.",
+  unchanged: "Kein Wort änderte sich: das Programm bleibt Byte für Byte, wie es war, ohne Vermerk.",
+  copies: "Ein Unterprogramm braucht nicht an allen Stellen dieselbe Korrektur: es steht mehrmals da. Kein Programm der Steuerung darf so heißen wie eine Kopie.",
+  "tool-change": "Werkzeugwechsel: alle Bewegungen sind für den einen angegebenen Werkzeugpunkt korrigiert.",
+  "tool-change-keeps": "Werkzeugwechsel lassen die genannten Achsen stehen, wo sie sind; so war es angegeben.",
+  "tool-point-control": "Werkzeugspitzensteuerung (TCP): ihre Kinematik gilt als die der Maschinenbeschreibung, die Wörter als im Koordinatensystem des Werkstücks bei Tisch auf null.",
+  "tool-vectors": "Werkzeugvektoren: jede Drehachse fährt auf die nähere der Stellen, die diese Richtung ergeben, im gleichen Verhältnis wie die Bewegung.",
+  "turning-alike": "Ob das Werkzeug nach Vektor (ORIVECT) oder nach Achsen (ORIAXES) dreht, macht hier weniger als 50 µrad aus und wird nicht gefragt.",
+  "tilted-plane": "Geschwenkte Ebene: die Kinematik der Steuerung gilt als die der Maschinenbeschreibung, der Nullpunkt als der bei Tisch auf null.",
+  "half-turn": "Eine Drehachse fährt um eine halbe Umdrehung: eine Steuerung, die den kürzeren Weg nimmt, kann jetzt den anderen nehmen.",
+  "whole-units": "Ein Wort hat keinen Punkt: solche Wörter zählen hier ganze Einheiten, auf anderen Steuerungen kleinste Schritte.",
+  "text-before-start": "Text vor dem ersten % bleibt, wie er ist: keine Steuerung liest ihn.",
+  "text-after-end": "Text hinter dem Programmende bleibt, wie er ist.",
+};
+const kWholeNotes = ["compensated-before", "unchanged", "text-before-start", "text-after-end"];
+export function noteSaid(note: { kind: string; line?: number | null } | undefined, text: string): Said | undefined {
+  const said = note && partOf(kNotes, note.kind, text);
+  return said && { text: note.line ? `Zeile ${note.line}: ${said.text}` : said.text, isWhole: kWholeNotes.includes(note.kind) };
+}
 
 // When an error leaves its limits; why there is no forecast is English.
 export function limitSaid(f: LimitForecast): Said | undefined {
@@ -219,4 +256,30 @@ export function limitSaid(f: LimitForecast): Said | undefined {
     text: `${f.limit.symbol} liegt jetzt mit ${certaintyText(f.probabilityNow)} % Wahrscheinlichkeit außerhalb von ${limits}, binnen eines Jahres mit ${certaintyText(f.probabilityWithinYear)} %${by}${span}`,
     isWhole: true,
   };
+}
+
+// Tables for controllers, by the name of their format: title, what its values are, what it cannot carry. How many points and how fine stands in
+// the server's words.
+const kErrorsAre = "Abweichungen, Ist minus Soll", kAdded = "Korrekturen, die zum Befehl addiert werden";
+const kAcross = "Abweichungen quer zur Achse oder über einer anderen", kTool = "die Richtung des Werkzeugs";
+const kPins: readonly [string, string] = ["Positionen der Achsen, mm, in den Koordinaten von X, Y, Z", "Neigungen der Drehachsen und Rechtwinkligkeit; was sich mit einer Position ändert; was alle Achsen gleich bewegt (Nullpunkt)"];
+const kFormats: Record<string, readonly [string, string, string]> = {
+  general: ["Allgemeine Tabelle: CSV, Namen nach ISO 230-1 als Spalten, Achspositionen als Argumente", `${kErrorsAre}; µm, µrad`, ""],
+  "linuxcnc-comp": ["LinuxCNC: COMP_FILE eines Gelenks, COMP_FILE_TYPE = 1", `${kAdded}, vorwärts und rückwärts; mm, °`, `was eine Achse quer zu ihrer Richtung tut; was von einer anderen Achse abhängt; ${kTool}`],
+  "linuxcnc-xyzac": ["LinuxCNC: Pins von xyzac-trt-kins, wo A und C sind", ...kPins],
+  "linuxcnc-xyzbc": ["LinuxCNC: Pins von xyzbc-trt-kins, wo B und C sind", ...kPins],
+  "siemens-eec": ["Siemens SINUMERIK: Geberfehlerkompensation, $AA_ENC_COMP", `${kErrorsAre}: ein positiver Wert bewegt die Achse ins Negative; mm, °`, `Umkehrspanne (MD32450 $MA_BACKLASH, oder siemens-cec); ${kAcross}; ${kTool}`],
+  "siemens-cec": ["Siemens SINUMERIK: Durchhangkompensation, $AN_CEC, jede Achse über jeder, je Richtung eine", `${kErrorsAre}: ein positiver Wert bewegt die Achse ins Negative; mm, °`, "was zwei Achsen zusammen bewirken (Winkel mit einem Hebel entlang einer anderen Achse); mehr als 62 Tabellen"],
+  "fanuc-pitch": ["Fanuc: gespeicherte Spindelsteigungskompensation, mit 3620 bis 3627", `${kAdded}: Zunahmen von Punkt zu Punkt in Erfassungseinheiten`, `${kAcross}; ${kTool}`],
+  "fanuc-3d": ["Fanuc: dreidimensionale Fehlerkompensation, trilinear", `${kAdded}: in Erfassungseinheiten`, `Umkehrspanne (fanuc-pitch); Abweichungen über Drehachsen: das Gitter gilt für die Winkel der Bezugsstellung; ${kTool}`],
+  "heidenhain-com": ["Heidenhain: Achsfehlerkompensation, Tabelle .COM", `${kErrorsAre}; mm, °`, `Umkehrspanne (Maschinenparameter); ${kAcross}; ${kTool}`],
+  "heidenhain-kinematics": ["Heidenhain: Kinematiktabelle, wo die Drehachsen sind", "Verschiebungen von Achse zu Achse, mm, beginnend am Werkzeugpunkt in Grundstellung", kPins[1]],
+  "isg-volumetric": ["ISG: volumetrische Kompensation, CSV, Abweichungen jeder Achse über ihrer eigenen Position", `${kErrorsAre}; mm, rad`, "Umkehrspanne; Abweichungen einer Achse über der Position einer anderen; Abweichungen von Spindel, Werkzeug und Werkstück"],
+};
+export const formatTitle = (format: TableFormat): string => (isGerman() && kFormats[format.name]?.[0]) || format.title;
+export function formatSaid(format: TableFormat): Said | undefined {
+  const words = kFormats[format.name];
+  if (!isGerman() || words === undefined) return undefined;
+  const [, values, cannot] = words;
+  return { text: `${values}.${cannot === "" ? "" : ` Nimmt nicht auf: ${cannot}.`}`, isWhole: false };
 }

@@ -2,11 +2,11 @@
 import { render } from "preact";
 import { effect, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { isConnected, mustSignIn, problemOf } from "./api";
+import { isConnected, mustSignIn, problemOf, type Problem } from "./api";
 import { Role } from "./gen/axiscal/v1/access_service_pb";
 import { identity, isAdminOfAll, isWall, isWallRefused, may, refusal, signIn, signOut, watchIdle, watchWall, whoAmI } from "./session";
 import { language, setLanguage, t, type Language } from "./text";
-import { Title } from "./parts";
+import { ProblemBox, Title } from "./parts";
 import { AuditPage } from "./pages/audit";
 import { CalibrationPage } from "./pages/calibration";
 import { CellsPage } from "./pages/cells";
@@ -95,7 +95,7 @@ function Page() {
 }
 
 function SignInPage() {
-  const [lost, setLost] = useState("");
+  const [lost, setLost] = useState<Problem>();
   const [isBusy, setBusy] = useState(false);
   const submit = async (event: SubmitEvent) => {
     event.preventDefault();
@@ -103,15 +103,15 @@ function SignInPage() {
     const asWall = (elements.namedItem("wall") as HTMLInputElement).checked;
     setBusy(true);
     try {
-      setLost("");
+      setLost(undefined);
       const isIn = await signIn((elements.namedItem("token") as HTMLInputElement).value.trim(), asWall);
       if (asWall && isIn) location.hash = "#/wall";
     } catch (error) {
-      setLost(problemOf(error).text);
+      setLost(problemOf(error));
     }
     setBusy(false);
   };
-  const problem = lost || refusal.value;
+  const problem = lost ?? refusal.value;
   return (
     <>
       <Title text={t("signIn")} />
@@ -127,11 +127,7 @@ function SignInPage() {
         <p id="wall-help" class="muted">
           {t("wallHelp")}
         </p>
-        {problem && (
-          <p class="bad-text" role="alert" lang="en">
-            {problem}
-          </p>
-        )}
+        {problem && <ProblemBox problem={problem} />}
         {isWallRefused.value && (
           <p class="bad-text" role="alert">
             {t("wallViewerOnly")}
@@ -175,9 +171,9 @@ function Menu() {
 }
 
 function App() {
-  const [failed, setFailed] = useState("");
+  const [failed, setFailed] = useState<Problem>();
   useEffect(() => {
-    const ask = () => whoAmI().catch((error) => setFailed(mustSignIn.value || !isConnected.value ? "" : problemOf(error).text));
+    const ask = () => whoAmI().catch((error) => setFailed(mustSignIn.value || !isConnected.value ? undefined : problemOf(error)));
     // At once; and after a restart the server does not know the cookie, so again when it is back.
     return isConnected.subscribe((is) => {
       if (is) void ask();
@@ -228,9 +224,11 @@ function App() {
           <SignInPage />
         ) : who ? (
           <Page />
+        ) : failed ? (
+          <ProblemBox problem={failed} />
         ) : (
-          <p class={failed ? "waiting" : "waiting who-first"} role={failed ? "alert" : "status"}>
-            {failed || t("loading")}
+          <p class="waiting who-first" role="status">
+            {t("loading")}
           </p>
         )}
       </main>

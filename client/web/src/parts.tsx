@@ -7,11 +7,23 @@ import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_p
 import { countText, csv, numberText, save } from "./format";
 import type { Said } from "./german";
 import { errorsIn, isoWords } from "./iso";
-import { t } from "./text";
+import { refusalSaid } from "./refusals";
+import { language, t } from "./text";
 
-// The server writes English.
+// The server writes English: on a German page that is a quotation, beside what the page says of it.
 export function Server(props: { text: string }) {
-  return <span lang="en">{props.text}</span>;
+  if (props.text === "") return null;
+  return language.value === "de" ? <q lang="en">{props.text}</q> : <span lang="en">{props.text}</span>;
+}
+
+// What the page says, and the server's own words behind it, both in sight.
+export function Quoted(props: { said?: string; text: string }) {
+  return (
+    <>
+      {props.said && <>{props.said} </>}
+      <Server text={props.text} />
+    </>
+  );
 }
 
 // What the server says, in the reader's language where german.ts has it: with the server's own words folded behind it where they say more.
@@ -44,17 +56,21 @@ export function Title(props: { text: string; children?: ComponentChildren }) {
   );
 }
 
+// What was refused, in the reader's language where the page knows the reason, and in the server's own words.
 export function ProblemBox(props: { problem: Problem }) {
+  const { problem } = props;
+  const said = problem.isOwn ? undefined : refusalSaid(problem);
   return (
     <div class="box bad" role="alert">
-      {props.problem.isOwn ? (
-        props.problem.text
+      {said !== undefined && <p>{said}</p>}
+      {problem.isOwn ? (
+        problem.text
       ) : (
         <>
-          <strong>{t("problem")}:</strong> <Server text={props.problem.text} />
+          <strong>{t("problem")}:</strong> <Server text={problem.text} />
         </>
       )}
-      {props.problem.reason && <code class="reason">{props.problem.reason}</code>}
+      {problem.reason && <code class="reason">{problem.reason}</code>}
     </div>
   );
 }
@@ -316,12 +332,12 @@ function Numbers(props: { name: string; caption: string; picture: CalibrationPic
       {rows.length > kMostRows && <p>{t("shownOf", { n: kMostRows, all: countText(rows.length) })}</p>}
       <Table
         label={`${props.caption}: ${t("numbers")}`}
-        head={[t("state"), t("sessions"), <Server text={xLabel} />, <Server text={yLabel} />]}
+        head={[t("state"), t("sessions"), xLabel, yLabel]}
         numbers={[2, 3]}
       >
         {rows.slice(0, kMostRows).map((row) => (
           <tr>
-            <td lang="en">{row[0]}</td>
+            <td>{row[0]}</td>
             <td>{row[1]}</td>
             <td class="number">{numberText(row[2], 6)}</td>
             <td class="number">{numberText(row[3], 4)}</td>
@@ -390,6 +406,33 @@ export function DropZone(props: { label: string; button: string; many?: boolean;
           const input = event.currentTarget;
           props.onFiles([...(input.files ?? [])]);
           input.value = "";
+        }}
+      />
+    </label>
+  );
+}
+
+// A file in a form. Empty where none was chosen, also to FormData.
+export function FileField(props: { name: string; label: string; required?: boolean; onFile?: (file: File | undefined) => void }) {
+  const [chosen, setChosen] = useState("");
+  return (
+    <label class="file">
+      {props.label}
+      <span>
+        <span class="button quiet" aria-hidden="true">
+          {t("chooseFile")}
+        </span>{" "}
+        {chosen}
+      </span>
+      <input
+        class="unseen"
+        type="file"
+        name={props.name}
+        required={props.required}
+        onChange={(event) => {
+          const file = event.currentTarget.files?.[0];
+          setChosen(file?.name ?? "");
+          props.onFile?.(file);
         }}
       />
     </label>

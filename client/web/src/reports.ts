@@ -103,6 +103,7 @@ export interface CompensationReport {
   missing?: string[];
   shifts?: { tool: string; work_offset: string; moves: number; max_um: number; rms_um: number; line: number }[];
   notes: string[];
+  note_kinds?: { kind: string; line?: number | null }[]; // of each of them
 }
 
 export function nameOf(one: string | { name: string }): string {

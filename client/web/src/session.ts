@@ -1,6 +1,6 @@
 // Who is there, and what is offered to him. What is refused is decided by the server alone.
 import { computed, effect, signal } from "@preact/signals";
-import { access, epoch, mustSignIn, signIns, watchedFetch } from "./api";
+import { access, epoch, mustSignIn, refusalOf, signIns, watchedFetch, type Problem } from "./api";
 import { Role, type Grant } from "./gen/axiscal/v1/access_service_pb";
 
 export interface Identity {
@@ -48,15 +48,15 @@ export async function whoAmI(): Promise<void> {
   identity.value = { name: answer.name, grants: answer.grants, isLocal: answer.name.startsWith("local:") };
 }
 
-// Why the last sign-in was refused, in the server's words; a wall display may not have more than a viewer's token.
-export const refusal = signal("");
+// Why the last sign-in was refused; a wall display may not have more than a viewer's token.
+export const refusal = signal<Problem | undefined>(undefined);
 export const isWallRefused = signal(false);
 
 // Whether it is signed in now.
 // `isOver` of a wall: whether its token is no good any more, and not the server that has too much to do or starts.
 let isOver = false;
 export async function signIn(token: string, asWall = false): Promise<boolean> {
-  refusal.value = "";
+  refusal.value = undefined;
   isWallRefused.value = false;
   const response = await watchedFetch("sign-in", {
     method: "POST",
@@ -65,7 +65,7 @@ export async function signIn(token: string, asWall = false): Promise<boolean> {
   });
   isOver = response.status === 401 || response.status === 403;
   if (!response.ok) {
-    refusal.value = ((await response.json()) as { message: string }).message;
+    refusal.value = await refusalOf(response);
     return false;
   }
   signIns.value++;

@@ -4,7 +4,10 @@ import { access, problemOf, useLoad, type Problem } from "../api";
 import { timeText } from "../format";
 import { Empty, ProblemBox, Show, Table, Title } from "../parts";
 import { isAdminOfAll } from "../session";
-import { t } from "../text";
+import { t, tMaybe } from "../text";
+
+// "calibration.approve", "denied Calibrations/ApproveCalibration": in words, where the page knows it.
+const actionText = (action: string) => tMaybe(`action_${action.split(" ")[0]}`) ?? "";
 
 export function AuditPage() {
   const [asked, setAsked] = useState({ principal: "", resource: "" });
@@ -61,6 +64,7 @@ export function AuditPage() {
             <Empty text={t("auditNone")} />
           ) : (
             <>
+              <p class="muted">{t("auditWords")}</p>
               <Table label={t("auditTitle")} head={["#", t("time"), t("who"), t("action"), t("resource"), t("was"), t("became"), t("detail")]} numbers={[0]}>
                 {page.entries.map((entry) => (
                   <tr key={String(entry.entryNumber)}>
@@ -72,12 +76,14 @@ export function AuditPage() {
                       <small>{entry.peer}</small>
                     </td>
                     <td>
-                      {entry.action} {entry.outcome !== "OK" && <span class="mark bad">{entry.outcome}</span>}
+                      {actionText(entry.action)} {entry.outcome !== "OK" && <span class="mark bad" lang="en">{entry.outcome}</span>}
+                      <br />
+                      <small lang="en">{entry.action}</small>
                     </td>
-                    <td class="text">{entry.resource}</td>
-                    <td class="text">{entry.was.slice(0, 200)}</td>
-                    <td class="text">{entry.became.slice(0, 200)}</td>
-                    <td class="text">{entry.detail}</td>
+                    <td class="text" lang="en">{entry.resource}</td>
+                    <td class="text" lang="en">{entry.was.slice(0, 200)}</td>
+                    <td class="text" lang="en">{entry.became.slice(0, 200)}</td>
+                    <td class="text" lang="en">{entry.detail}</td>
                   </tr>
                 ))}
               </Table>

@@ -5,10 +5,11 @@ import { Intervals } from "../charts";
 import { countText, dayText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { DifferenceVerdict, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
-import { warningSaid } from "../german";
-import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
+import { DifferenceVerdict, type CalibrationPicture, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
+import { formatSaid, formatTitle, warningSaid } from "../german";
+import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport } from "../reports";
+import type { TableFormat } from "../gen/axiscal/v1/tables_service_pb";
 import { may } from "../session";
 import { language, t, tMaybe } from "../text";
 
@@ -108,7 +109,7 @@ function NotSeparable(props: { it: Calibration; loop?: LoopReport }) {
       <h2>{t("cannotTell")}</h2>
       {it.reportProblem && (
         <p class="box bad">
-          <Server text={it.reportProblem} />
+          <Quoted said={t("reportProblem")} text={it.reportProblem} />
         </p>
       )}
       {isNothing ? !it.reportProblem && <p>{t("cannotTellNone")}</p> : <p>{t("cannotTellHelp")}</p>}
@@ -265,7 +266,7 @@ function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: (
           )}
           {made.notes.map((note) => (
             <p>
-              <Server text={note} />
+              <Quoted said={t("compareNote")} text={note} />
             </p>
           ))}
         </>
@@ -345,6 +346,9 @@ function Decide(props: { data: CalibrationData }) {
   );
 }
 
+const formatText = (format: TableFormat) =>
+  `${format.values}. ${format.limits}.${format.cannotCarry.length > 0 ? ` Cannot carry: ${format.cannotCarry.join("; ")}.` : ""}`;
+
 function MakeTable(props: { it: Calibration }) {
   const formats = useLoad("formats", async () => (await tables.listTableFormats({})).formats);
   const [answer, setAnswer] = useState<{ done?: string; report?: string; problem?: Problem }>({});
@@ -382,15 +386,13 @@ function MakeTable(props: { it: Calibration }) {
                 {t("format")}
                 <select value={name} onChange={(event) => setName(event.currentTarget.value)}>
                   {list.map((f) => (
-                    <option value={f.name} lang="en">
-                      {f.title}
-                    </option>
+                    <option value={f.name}>{formatTitle(f)}</option>
                   ))}
                 </select>
               </label>
               {format && (
-                <p lang="en">
-                  {format.values}. {format.limits}.{format.cannotCarry.length > 0 && ` Cannot carry: ${format.cannotCarry.join("; ")}.`}
+                <p>
+                  <Worded said={formatSaid(format)} text={formatText(format)} />
                 </p>
               )}
               <label>
@@ -444,15 +446,21 @@ export function Warnings(props: { list?: { kind: string; text: string }[] }) {
   );
 }
 
-// "residual-X.svg" -> "Residuals over X, µm, n = 1,623": all readings are in it; a trace has those of its sessions.
-function captionOf(file: string, readings: bigint): string {
+// "residual-X.svg" -> "Residuals over X, µm, n = 1,623": all readings are in it, and behind what was found; a trace has those of its sessions.
+function captionOf(picture: CalibrationPicture, readings: bigint): string {
+  const { file, yLabel, series } = picture;
   const [kind, name] = [file.slice(0, file.indexOf("-")), file.slice(file.indexOf("-") + 1).replace(/\.svg$/, "")];
-  if (kind === "trace") return `${t("traceOf", { session: name })}, µm`;
+  // Of pictures whose numbers had no room in the answer the label is not there.
+  const unit = yLabel === "" ? "" : `, ${unitText(yLabel.slice(yLabel.lastIndexOf(" ") + 1))}`;
+  if (kind === "trace") {
+    const n = series.filter((one) => one.panel === series[0].panel).reduce((sum, one) => sum + one.x.length, 0);
+    return `${t("traceOf", { session: name })}, µm${n > 0 ? `, n = ${countText(n)}` : ""}`;
+  }
   const variable = name === "time" ? t("time") : name === "temperature" ? t("temperature") : name;
   // "EXX-X": an error and the axis that it changes along.
   if (kind === "found" || kind === "orders") {
     const [symbol, axis] = name.split("-");
-    return `${t(kind === "found" ? "foundOver" : "ordersOf", { name: symbol, axis })}`;
+    return `${t(kind === "found" ? "foundOver" : "ordersOf", { name: symbol, axis })}${unit}, n = ${countText(readings)}`;
   }
   return `${t(kind === "spectrum" ? "spectrumOver" : "residualsOver", { variable })}, µm, n = ${countText(readings)}`;
 }
@@ -460,7 +468,9 @@ function captionOf(file: string, readings: bigint): string {
 // Drawn by the server when they are asked for: that binds and fits all sessions again.
 export function Pictures(props: { id: bigint }) {
   const [isAsked, setAsked] = useState(false);
-  const found = useLoad(`pictures ${props.id} ${isAsked}`, async () => (isAsked ? calibrations.drawCalibration({ calibrationId: props.id }) : undefined));
+  const found = useLoad(`pictures ${props.id} ${isAsked} ${language.value}`, async () =>
+    isAsked ? calibrations.drawCalibration({ calibrationId: props.id, language: language.value }) : undefined,
+  );
   return (
     <section>
       <h2>{t("pictures")}</h2>
@@ -478,11 +488,11 @@ export function Pictures(props: { id: bigint }) {
               {drawn.pictures.length === 0 && <p>{t("picturesNone")}</p>}
               {drawn.pictures.map((one) => (
                 <ServerPicture
-                  key={one.file}
+                  key={`${language.value} ${one.file}`}
                   name={`calibration-${props.id}-${one.file.replace(/\.svg$/, "")}`}
-                  caption={captionOf(one.file, drawn.readings)}
+                  caption={captionOf(one, drawn.readings)}
                   picture={one}
-                  load={async () => (await calibrations.drawCalibration({ calibrationId: props.id, file: one.file })).pictures[0]}
+                  load={async () => (await calibrations.drawCalibration({ calibrationId: props.id, file: one.file, language: language.value })).pictures[0]}
                 />
               ))}
               {drawn.leftOut.length > 0 && <p>{t("picturesLeftOut", { names: drawn.leftOut.join(", ") })}</p>}

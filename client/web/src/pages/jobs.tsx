@@ -1,10 +1,11 @@
 // Jobs: the list, and one job that is followed to its end.
 import { useEffect, useState } from "preact/hooks";
 import { epoch, isConnected, isSeen, jobs, jsonOf, problemOf, useLoad, type Problem } from "../api";
-import { save, secondsText, timeText } from "../format";
+import { numberText, save, secondsText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { JobState, type Job } from "../gen/axiscal/v1/job_pb";
-import { Empty, Fact, ProblemBox, Server, Show, Table, Title } from "../parts";
+import { Empty, Fact, ProblemBox, Quoted, Server, Show, Table, Title } from "../parts";
+import { refusalSaid } from "../refusals";
 import type { CompensationReport } from "../reports";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
@@ -21,6 +22,12 @@ export function machineOf(job: Job): string {
 }
 export function hasEnded(job: Job): boolean {
   return job.state >= JobState.SUCCEEDED;
+}
+
+// What a job does now, by the server's name of it; a name that is not known here stands as it is.
+function stageText(job: Job): string {
+  const stage = job.progress?.stage ?? "";
+  return tMaybe(`stage_${stage.replaceAll(" ", "-")}`) ?? stage;
 }
 
 export function JobMark(props: { job: Job }) {
@@ -80,7 +87,11 @@ export function JobsPage() {
                     </td>
                     <td data-head={t("priority")}>{priorityText(job.priority)}</td>
                     <td class="whole">
-                      <Server text={job.error?.message ?? (hasEnded(job) ? "" : (job.progress?.stage ?? ""))} />
+                      {job.error ? (
+                        <Quoted said={refusalSaid(job.error)} text={job.error.message} />
+                      ) : (
+                        !hasEnded(job) && stageText(job)
+                      )}
                     </td>
                     <td data-head={t("created")}>{timeText(job.createdUtcUs)}</td>
                     <td data-head={t("by")}>{job.createdBy}</td>
@@ -141,11 +152,16 @@ export function useJob(id: bigint | undefined): { job?: Job; problem?: Problem }
 
 export function JobProgressBar(props: { job: Job }) {
   const { job } = props;
-  const text = [job.progress?.stage, job.progress?.detail].filter(Boolean).join(": ");
+  const fraction = job.progress?.fraction ?? 0, detail = job.progress?.detail ?? "";
   return (
     <p class="progress">
-      <progress aria-label={t("progress")} max={1} value={job.progress?.fraction ?? 0} />
-      <span lang="en">{text}</span>
+      <progress aria-label={t("progress")} max={1} value={fraction} />
+      <span>
+        {stageText(job)} {fraction > 0 && `${numberText(Math.floor(100 * fraction))} %`}
+      </span>{" "}
+      <small class="muted">
+        <Server text={detail} />
+      </small>
     </p>
   );
 }
@@ -182,7 +198,7 @@ export function JobPage(props: { id: bigint }) {
                   </>
                 )}
               </div>
-              {it.error && <ProblemBox problem={{ text: it.error.message, reason: it.error.reason, isConnection: false }} />}
+              {it.error && <ProblemBox problem={{ text: it.error.message, reason: it.error.reason, code: it.error.code, isConnection: false }} />}
               {refused && <ProblemBox problem={refused} />}
               {it.result?.calibrationId !== undefined && (
                 <p class="lead">

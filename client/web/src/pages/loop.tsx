@@ -2,8 +2,8 @@
 import { calibrations, jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
 import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
-import { causeSaid, proposalSaid } from "../german";
-import { Empty, ErrorName, Figure, Server, Show, Table, Title, Worded } from "../parts";
+import { causeSaid, proposalSaid, todoSaid } from "../german";
+import { Empty, ErrorName, Figure, Quoted, Server, Show, Table, Title, Worded } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
 import { t, tMaybe } from "../text";
 import { Pictures, Warnings } from "./calibration";
@@ -148,7 +148,7 @@ function Todo(props: { title: string; rows: { kind: string; subject: string; evi
             <td class="number">{one.evidence === undefined ? "–" : numberText(one.evidence)}</td>
             {hasHarm && <td class="number">{one.harm === undefined ? "–" : probabilityText(one.harm)}</td>}
             <td class="text">
-              <Server text={one.todo} />
+              <Quoted said={todoSaid(one.kind)} text={one.todo} />
             </td>
           </tr>
         ))}

@@ -13,9 +13,10 @@ import { isNew, isOpen, isShelved, listEvents } from "../events";
 import { EventKind, type Event, type GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type EventMark, type TimePoint } from "../charts";
 import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
-import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
+import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
 import { eventSaid, findingSaid, limitSaid } from "../german";
 import { isoWords } from "../iso";
+import { refusalSaid } from "../refusals";
 import { may } from "../session";
 import { kindText } from "./events";
 import { Priority } from "./jobs";
@@ -273,7 +274,7 @@ function Volumetric(props: { machineId: string; inUse?: Calibration; onPlaced: (
       <h2>{t("volumetric")}</h2>
       {found.problem && !found.problem.isConnection ? (
         <p>
-          <Server text={found.problem.text} />
+          <Quoted said={refusalSaid(found.problem)} text={found.problem.text} />
         </p>
       ) : (
         <Show of={{ data: found.data }} rows={3}>
@@ -615,7 +616,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
         .filter((one) => one.text !== "")
         .map((one) => (
           <p>
-            {one.symbol}: <Server text={one.text} />
+            {one.symbol}: <Quoted said={t("noForecast")} text={one.text} />
           </p>
         ))}
       {never.length > 0 && <p>{t("neverTold", { names: never.join(", ") })}</p>}

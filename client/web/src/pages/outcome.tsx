@@ -2,9 +2,10 @@
 import { useState } from "preact/hooks";
 import { PathChart } from "../charts";
 import { countText, numberText } from "../format";
-import { Figure, Server, Table } from "../parts";
+import { noteSaid } from "../german";
+import { Figure, Server, Table, Worded } from "../parts";
 import type { CompensationReport, PathStretch } from "../reports";
-import { t } from "../text";
+import { t, tMaybe } from "../text";
 
 function linesText(first: number, last: number): string {
   return first === last ? String(first) : `${first} – ${last}`;
@@ -72,11 +73,12 @@ function AlongPath(props: { path: PathStretch[] }) {
 }
 
 // Blocks with their reasons, the first of `all`.
-function Blocks(props: { title: string; list: { line: number; block: string; reason: string }[]; all: number }) {
+function Blocks(props: { title: string; help: string; list: { line: number; block: string; reason: string }[]; all: number }) {
   if (props.all === 0) return null;
   return (
     <section>
       <h3>{props.title}</h3>
+      <p>{props.help}</p>
       <Table label={props.title} head={[t("line"), t("block"), t("why")]}>
         {props.list.map((one) => (
           <tr>
@@ -84,8 +86,8 @@ function Blocks(props: { title: string; list: { line: number; block: string; rea
             <td class="text">
               <code>{one.block}</code>
             </td>
-            <td class="text" lang="en">
-              {one.reason}
+            <td class="text">
+              <Server text={one.reason} />
             </td>
           </tr>
         ))}
@@ -98,13 +100,17 @@ function Blocks(props: { title: string; list: { line: number; block: string; rea
 // What the engine asks for in the words of the command line: by its name in the form, where the form asks for it.
 function Missing(props: { option: string }) {
   const [name, ...value] = props.option.split(" ");
-  return name === "--unit" ? (
+  if (name === "--unit") {
+    return (
+      <>
+        {t("programUnit")} ({t("missingInForm")}): <code lang="en">{value.join(" ")}</code>
+      </>
+    );
+  }
+  const what = tMaybe(`option_${name}`);
+  return (
     <>
-      {t("programUnit")} ({t("missingInForm")}): <code lang="en">{value.join(" ")}</code>
-    </>
-  ) : (
-    <>
-      {t("missingOnline")}: <code lang="en">{props.option}</code>
+      {what === undefined ? t("missingOnline") : `${what} (${t("missingOnline")})`}: <code lang="en">{props.option}</code>
     </>
   );
 }
@@ -142,19 +148,20 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
             </tr>
           ))}
       </Table>
-      <Blocks title={t("refusedLines")} list={report.refused ?? []} all={report.blocks.refused} />
+      <Blocks title={t("refusedLines")} help={t("refusedHelp")} list={report.refused ?? []} all={report.blocks.refused} />
       {path.length > 0 && <AlongPath path={path} />}
       <h3>{t("leftLines")}</h3>
       {left.length === 0 ? (
         <p>{t("none")}</p>
       ) : (
         <>
+          <p>{t("leftHelp")}</p>
           <Table label={t("leftLines")} head={[t("lines"), t("why")]}>
             {left.map((range) => (
               <tr>
                 <th scope="row">{linesText(range.first, range.last)}</th>
-                <td class="text" lang="en">
-                  {range.reason}
+                <td class="text">
+                  <Server text={range.reason} />
                 </td>
               </tr>
             ))}
@@ -197,9 +204,9 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
         <>
           <h3>{t("notes")}</h3>
           <ul class="findings">
-            {report.notes.map((note) => (
+            {report.notes.map((note, i) => (
               <li>
-                <Server text={note} />
+                <Worded said={noteSaid(report.note_kinds?.[i], note)} text={note} />
               </li>
             ))}
           </ul>

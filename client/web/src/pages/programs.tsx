@@ -1,7 +1,7 @@
 // NC programs: drop one, choose machine and calibration, see what was corrected and what was left, take it away.
 import { create } from "@bufbuild/protobuf";
 import { useEffect, useState } from "preact/hooks";
-import { all, calibrations, createJob, epoch, jsonOf, machines, problemOf, programs, useLoad, watchedFetch, type Problem } from "../api";
+import { all, calibrations, createJob, epoch, ingest, jsonOf, machines, problemOf, programs, refusalOf, useLoad, watchedFetch, type Problem } from "../api";
 import { bytesText, dayText, numberText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
@@ -32,16 +32,6 @@ interface Chosen {
   name: string;
 }
 
-// The body of an answer that is no success (docs/http.md).
-export async function refusalOf(response: Response): Promise<Problem> {
-  const body = jsonOf<{ message?: string; details?: { debug?: { reason?: string } }[] }>(await response.text());
-  return {
-    text: body?.message ?? `HTTP ${response.status}`,
-    reason: body?.details?.[0]?.debug?.reason ?? "",
-    isConnection: false,
-  };
-}
-
 export async function putProgram(file: File): Promise<Chosen | Problem> {
   try {
     const response = await watchedFetch(`v1/programs/${encodeURIComponent(file.name)}`, { method: "POST", body: file });
@@ -57,11 +47,13 @@ const nameOf = (c: Calibration) =>
   t("calibrationN", { n: c.calibrationId }) + (c.provenance ? `, ${t("measuredOn", { day: dayText(c.provenance.measuredUtcUs) })}` : "");
 
 // The field of the form that a refusal is about, by its reason (proto/README.md).
-const kFieldOf: Record<string, "programUnit" | "maxCorrection" | "tip"> = {
-  UNIT_NOT_STATED: "programUnit",
-  CORRECTION_TOO_LARGE: "maxCorrection",
-  TOOL_TIP_INVALID: "tip",
+const kFieldOf: Record<string, { label: "programUnit" | "maxCorrection" | "tip" | "tablesOff"; name: string }> = {
+  UNIT_NOT_STATED: { label: "programUnit", name: "unit" },
+  CORRECTION_TOO_LARGE: { label: "maxCorrection", name: "limit" },
+  TOOL_TIP_INVALID: { label: "tip", name: "tip" },
+  TABLE_HANDED_OUT: { label: "tablesOff", name: "tablesOff" },
 };
+const goToField = (name: string) => document.querySelector<HTMLElement>(`main form [name=${name}]`)?.focus();
 
 // Of about what size corrections will be.
 function LargestError(props: { of: Calibration }) {
@@ -71,9 +63,26 @@ function LargestError(props: { of: Calibration }) {
   return <>{t("largestError", { name: most.symbol, n: numberText(Math.abs(most.value!), 4) })}</>;
 }
 
+const kMostSessions = 12; // whose tool points are named
+
+// With which tool points its sessions were measured, as their heads say.
+function MeasuredTips(props: { of: Calibration }) {
+  const ids = props.of.provenance?.sessionIds ?? [];
+  const found = useLoad(`tips ${props.of.calibrationId}`, async () => {
+    const names = new Map<string, string[]>();
+    for (const { session, schema } of await Promise.all(ids.slice(0, kMostSessions).map((sessionId) => ingest.getSession({ sessionId })))) {
+      const tip = schema?.header.find((entry) => entry.key === "tool_tip_mm")?.value;
+      if (tip !== undefined) names.set(tip, [...(names.get(tip) ?? []), session?.name ?? ""]);
+    }
+    return [...names];
+  });
+  if (!found.data || found.data.length === 0) return null;
+  return <>{t("tipsMeasured", { list: found.data.map(([tip, names]) => `${tip} (${names.join(", ")})`).join("; ") })}</>;
+}
+
 // How the program is to be read. Nothing is taken for granted that a program need not say: it is asked, unless the machine's description says it.
-function Reading(props: { profile?: Profile }) {
-  const { profile } = props;
+function Reading(props: { profile?: Profile; basis?: Calibration }) {
+  const { profile, basis } = props;
   return (
     <>
       {profile && <p class="muted">{t("fromProfile")}</p>}
@@ -82,7 +91,7 @@ function Reading(props: { profile?: Profile }) {
         <input name="tip" required autocomplete="off" placeholder="0 0 -350" defaultValue={profile?.tool_tip ?? ""} aria-describedby="tip-help" />
       </label>
       <p id="tip-help" class="muted help">
-        {t("tipHelp")}
+        {t("tipHelp")} {basis && <MeasuredTips of={basis} />}
       </p>
       <label>
         {t("dialect")}
@@ -218,7 +227,7 @@ function Compensate(props: { chosen: Chosen }) {
                 <a href={`#/machines/${encodeURIComponent(chosenMachine)}`}>{t("toMachine", { machine: chosenMachine })}</a>
               </p>
             )}
-            <Reading key={profile ? chosenMachine : ""} profile={profile} />
+            <Reading key={profile ? chosenMachine : ""} profile={profile} basis={basis} />
             <label>
               {t("maxCorrection")}
               <input name="limit" type="number" min="1" step="any" required defaultValue={String(kMaxCorrectionUm)} aria-describedby="limit-help" />
@@ -253,11 +262,16 @@ function Compensate(props: { chosen: Chosen }) {
         {job && !hasEnded(job) && <JobProgressBar job={job} />}
         {(job?.error || field) && (
           <p>
-            {t("putBack")} {field && t("lookAt", { field: t(field) })}
+            {t("putBack")}{" "}
+            {field && (
+              <button type="button" class="quiet" onClick={() => goToField(field.name)}>
+                {t("lookAt", { field: t(field.label) })}
+              </button>
+            )}
           </p>
         )}
       </div>
-      {job?.error && <ProblemBox problem={{ text: job.error.message, reason: job.error.reason, isConnection: false }} />}
+      {job?.error && <ProblemBox problem={{ text: job.error.message, reason: job.error.reason, code: job.error.code, isConnection: false }} />}
       {lost && !job && <ProblemBox problem={lost} />}
       {report && <Outcome report={report} programId={job?.result?.programIds[0]} />}
     </section>

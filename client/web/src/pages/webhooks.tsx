@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { epoch, problemOf, useLoad, webhooks, type Problem } from "../api";
 import { countText, timeText } from "../format";
 import { WebhookSchema, type Webhook } from "../gen/axiscal/v1/webhooks_service_pb";
-import { Asking, Empty, Fact, FormDialog, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
+import { Asking, Empty, Fact, FormDialog, ProblemBox, Quoted, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
 import { t } from "../text";
 import { ScopeFields, scopeFrom, scopeText } from "./routines";
@@ -76,8 +76,8 @@ function DeadLetters(props: { name: string }) {
                 <a href={`#/events/${encodeURIComponent(letter.machineId)}`}>{letter.machineId}</a>
               </td>
               <td class="number">{countText(letter.tries)}</td>
-              <td class="text" lang="en">
-                {letter.error}
+              <td class="text">
+                <Server text={letter.error} />
               </td>
               <td>{timeText(letter.triedUtcUs)}</td>
             </tr>
@@ -93,7 +93,7 @@ function WebhookBox(props: { webhook: Webhook; onSecret: (secret: string) => voi
   const [isEdited, setEdited] = useState(false);
   const [isOpen, setOpen] = useState(false);
   const [problem, setProblem] = useState<Problem>();
-  const [answer, setAnswer] = useState("");
+  const [answer, setAnswer] = useState<{ said: string; error: string }>();
   const act = async (what: () => Promise<unknown>) => {
     try {
       setProblem(undefined);
@@ -104,9 +104,10 @@ function WebhookBox(props: { webhook: Webhook; onSecret: (secret: string) => voi
     }
   };
   const test = async () => {
-    setAnswer("");
+    setAnswer(undefined);
     const came = await webhooks.testWebhook({ name: webhook.name });
-    setAnswer(came.error === "" ? t("testTaken", { by: came.isMail ? "SMTP" : "HTTP", n: came.httpStatus, ms: countText(came.tookMs) }) : came.error);
+    const taken = t("testTaken", { by: came.isMail ? "SMTP" : "HTTP", n: came.httpStatus, ms: countText(came.tookMs) });
+    setAnswer({ said: came.error === "" ? taken : t("testNotTaken"), error: came.error });
   };
   return (
     <article class="box">
@@ -136,11 +137,11 @@ function WebhookBox(props: { webhook: Webhook; onSecret: (secret: string) => voi
       </dl>
       {webhook.lastError && (
         <p>
-          <Server text={webhook.lastError} />
+          <Quoted said={t("webhookLastError")} text={webhook.lastError} />
         </p>
       )}
       {problem && <ProblemBox problem={problem} />}
-      <p role="status">{answer}</p>
+      <p role="status">{answer && <Quoted said={answer.said} text={answer.error} />}</p>
       <p class="buttons">
         <button type="button" class="quiet" aria-label={`${t("test")}: ${webhook.name}`} onClick={() => void act(test)}>
           {t("test")}
