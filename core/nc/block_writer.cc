@@ -268,7 +268,8 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
 bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                               OutBuffer* out) {
   constexpr size_t kMaxBytes = 256;
-  if (step.is_arc || step.wrapped != 0 || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental)
+  if (step.is_arc || step.is_resolved || step.wrapped != 0 || is_in_chords_ || size > kMaxBytes ||
+      interpreter_->modal().is_incremental)
     return false;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;

@@ -354,7 +354,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   }
   const char *const rest = begin + block->problem_at, *const end = text + size;
   if (MayWriteOffsets(*dialect_, rest, end)) ForgetStated();
-  rounds_corners_ |= dialect_->has_equals && Holds(rest, end, "RNDM");
+  rounds_corners_ |= !leaves_corners_ && dialect_->has_equals && Holds(rest, end, "RNDM");
   if (roles_['D' - 'A'] == Role::kToolRadius && Holds(rest, end, "D")) last_radius_number_ = -1;
   // "X#1 H2": the length in force, or that of the next G43, may be another.
   if (roles_['H' - 'A'] == Role::kToolLength && Holds(rest, end, "H")) {

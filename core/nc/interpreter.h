@@ -88,7 +88,9 @@ struct Step {
   bool ends_subprogram = false;  // likewise, and the control goes on where this one may have been called
   bool is_corner = false;        // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;     // the control rounds or chamfers one of its ends: no piece may stand there
-  bool is_tool_point = false;    // of a move: `start`, `end` of X, Y and Z are words in another frame than the axes'
+  bool is_resolved = false;    // set by who reads: the block is no line of the program (corners.h), its words have more
+                               // decimals than the program's
+  bool is_tool_point = false;  // of a move: `start`, `end` of X, Y and Z are words in another frame than the axes'
   // Of a move: words of the tool's direction say where `end` has the rotary axes; they are these of Block::words.
   bool has_vector = false;
   std::array<int8_t, 3> word_of_vector{};
@@ -143,6 +145,13 @@ class Interpreter {
   void ReadOverlong(Step* step);
   // The next line is no part of a program.
   void SkipLine() { ++line_; }
+  // The next line has that number.
+  void ReadAs(int64_t line) { line_ = line - 1; }
+  // From now on words of corners (RND=) do nothing: somebody else follows them.
+  void LeaveCorners() {
+    leaves_corners_ = true;
+    rounds_corners_ = is_behind_corner_ = false;
+  }
   // The first line that calls a subprogram, or begins one that is read over, ends the reading (Step::begins_structure).
   void StopAtCalls() { stops_at_calls_ = true; }
   // From such a line on: the next line's number, whether its return to what called it, or its call, is followed, and
@@ -524,6 +533,7 @@ class Interpreter {
   int64_t programs_begun_ = 0;
   bool rounds_corners_ = false;    // until it ends (RNDM=)
   bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
+  bool leaves_corners_ = false;
   bool has_moved_ = false;
   bool takes_plain_moves_ = false;  // the last block was a linear move that left nothing behind but its positions
   bool may_carry_shift_ = false;    // G92 or G52 of a program that ended

@@ -251,6 +251,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->is_curve = true;
       return request->Refuse(named());
     case Meaning::kCorner:
+      if (leaves_corners_) return;
       if (code.detail == 0) {
         request->has_corner = true;
       } else {

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/base/files.h"
+#include "core/nc/hole_patterns.h"
 
 namespace axiscal::nc {
 
@@ -14,6 +15,10 @@ absl::StatusOr<bool> MoveReader::Fill() {
   while (next_ == count_) {
     next_ = count_ = 0;
     if (is_at_end_ && is_waiting_ && RunNext()) continue;
+    if (is_at_end_ && corners_.is_holding()) {
+      corners_.Release(kNoMoveBehind, this);
+      continue;
+    }
     if (is_at_end_) return false;
     ASSIGN_OR_RETURN(const size_t size, reader_(buffer_.data(), buffer_.size()));
     const auto read = [this](const char* text, size_t length, bool is_overlong) { Line(text, length, is_overlong); };
@@ -55,6 +60,8 @@ bool MoveReader::RunNext() {
   }
   Execution::Event event;
   if (!execution_->Next(&event)) return false;
+  if (event.kind != Execution::Event::Kind::kLine || event.is_call || event.is_followed_return)
+    corners_.Release(kNoMoveBehind, this);
   const std::string& block = execution_->lines(event.text)[event.line];
   if (event.is_call) interpreter_.NoteCallBlock(block);
   if (event.kind == Execution::Event::Kind::kEnter) interpreter_.EnterLevel();
@@ -71,6 +78,27 @@ void MoveReader::Line(const char* text, size_t size, bool is_overlong) {
     waiting_.emplace_back(text, size);
     return;
   }
+  if (is_overlong) {
+    corners_.Release("the block behind it is too long to be one", this);
+  } else if (corners_.Wants(interpreter_.dialect(), text, size)) {
+    return corners_.Take(interpreter_.line() + 1 + (is_waiting_ ? 0 : corners_.held_lines()), text, size, this);
+  }
+  ReadOrExpand(text, size, is_overlong);
+}
+
+void MoveReader::ReadOrExpand(const char* text, size_t size, bool is_overlong) {
+  if (is_overlong || !MayBeHolePattern(interpreter_.dialect(), text, TextSize(text, size)))
+    return ReadLine(text, size, is_overlong);
+  const HolePattern pattern = ReadHolePattern(interpreter_, text, size);
+  if (pattern.lines.empty()) return ReadLine(text, size, false);
+  const int64_t number = interpreter_.line() + 1;
+  for (const std::string& line : pattern.lines) {
+    interpreter_.ReadAs(number);
+    ReadLine(line.data(), line.size(), false);
+  }
+}
+
+void MoveReader::ReadLine(const char* text, size_t size, bool is_overlong) {
   if (is_overlong) {
     interpreter_.ReadOverlong(&step_);
   } else {

@@ -11,6 +11,7 @@
 
 #include "core/base/status.h"
 #include "core/nc/calls.h"
+#include "core/nc/corners.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/line_splitter.h"
 #include "core/nc/preamble.h"
@@ -31,7 +32,7 @@ struct Event {
   Step step;
 };
 
-class MoveReader {
+class MoveReader : private CornerHost {
  public:
   // `reader` must outlive it.
   MoveReader(const ByteReader& reader, Interpreter interpreter)
@@ -49,6 +50,15 @@ class MoveReader {
   // Reads on until events_ has one. False at the end of the program.
   absl::StatusOr<bool> Fill();
   void Line(const char* text, size_t size, bool is_overlong);
+  void ReadLine(const char* text, size_t size, bool is_overlong);
+  void ReadOrExpand(const char* text, size_t size, bool is_overlong);
+  void Read(const CornerLine& line) override {
+    interpreter_.ReadAs(line.number);
+    ReadOrExpand(line.text, line.size, false);
+  }
+  const Interpreter& reader() const override { return interpreter_; }
+  bool IsOnContour() const override { return true; }
+  bool MayStay(const Step&, const Step&, double) override { return false; }
   // The next block of those that waited, in the order of the control. False behind the last one.
   bool RunNext();
 
@@ -56,6 +66,7 @@ class MoveReader {
   Interpreter interpreter_;
   LineSplitter splitter_;
   Preamble preamble_;
+  Corners corners_;
   Block block_;
   Step step_;
   std::vector<char> buffer_ = std::vector<char>(1u << 13);

@@ -34,26 +34,40 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     waiting.emplace_back(text, size);
     return;
   }
-  if (interpreter.line() == 0 && size >= 3 && std::memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
-    if (!is_null()) out.append(text, 3);  // a byte-order mark stays in front of ours
-    text += 3;
-    size -= 3;
+  const int64_t number = interpreter.line() + 1 + (is_running ? 0 : corners.held_lines());
+  if (is_overlong) {
+    corners.Release("the block behind it is too long to be one", this);
+  } else if (corners.Wants(interpreter.dialect(), text, size)) {
+    return corners.Take(number, text, size, this);
   }
-  if (interpreter.line() == 0 && IsUtf16(text, size) && !is_null()) {
+  now = {text, size, TextSize(text, size), interpreter.line() + 1};
+  ReadOrExpand(is_overlong, false);
+  if (!line_problem.empty() && step.kind != StepKind::kNone) line_problem.clear();
+}
+
+void Rewriter::Impl::ReadLine(bool is_overlong, bool is_resolved) {
+  if (interpreter.line() == 0 && now.size >= 3 && std::memcmp(now.text, "\xEF\xBB\xBF", 3) == 0) {
+    if (!is_null()) out.append(now.text, 3);  // a byte-order mark stays in front of ours
+    now.text += 3;
+    now.size -= 3;
+    now.text_size -= std::min<size_t>(now.text_size, 3);
+  }
+  if (interpreter.line() == 0 && IsUtf16(now.text, now.size) && !is_null()) {
     status = absl::InvalidArgumentError("line 1: the program is in UTF-16, expected one byte per character");
     return;
   }
-  now = {text, size, TextSize(text, size), interpreter.line() + 1};
   if (is_overlong) {
     block.word_count = 0;
     interpreter.ReadOverlong(&step);
   } else {
-    interpreter.Read(text, now.text_size, &block, &step);
+    interpreter.Read(now.text, now.text_size, &block, &step);
   }
+  step.is_resolved = is_resolved;
+  if (is_resolved) ShortenWords();
   if (step.begins_structure) {
     is_waiting = true;
     first_waiting = now.line;
-    waiting.emplace_back(text, size);
+    waiting.emplace_back(now.text, now.size);
     return;
   }
   job.report().blocks_read += step.has_words;
@@ -94,6 +108,8 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   }
   if (step.is_corner && is_last_split)
     job.Refused(now, "the move in front of the corner had to be split, and the control needs it whole", false);
+  if (step.kind == StepKind::kUnsupported && !line_problem.empty() && !step.is_consequence)
+    absl::StrAppend(&step.reason, ": ", line_problem);
   if (step.kind == StepKind::kMove) {
     is_last_split = false;
     Move();
@@ -336,6 +352,11 @@ void Rewriter::Impl::Move() {
     job.Refused(now, std::string(corrected.message()), false);
     return Copy();
   }
+  if (const std::string reason = step.is_at_corner ? WhyNoCorner() : ""; !reason.empty()) {
+    NotCorrected(reason, false);
+    if (MustReturn()) Return();
+    return Copy();
+  }
   ++job.report().blocks_corrected;
   if (options.orientation) NoteHalfTurns();
   if (contour_role == ContourRole::kHeld) return WriteHeld();
@@ -564,6 +585,7 @@ absl::Status Rewriter::Finish() {
       [this](const char* text, size_t length, bool is_overlong) { impl_->Take(text, length, is_overlong); });
   impl_->preamble.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
+  if (impl_->status.ok()) impl_->corners.Release(kNoMoveBehind, impl_.get());
   if (impl_->is_waiting && impl_->status.ok()) impl_->RunCalls();
   impl_->NoteRotaryStood();
   impl_->job.Finish();

@@ -358,6 +358,7 @@ void Rewriter::Impl::RunCalls() {
   size_t call_line = 0;
   std::vector<size_t> call_lines;
   Execution::Event event;
+  size_t held_at = 0;  // the line that waits for its corner
   while (status.ok() && execution.Next(&event)) {
     const std::vector<std::string>& lines = execution.lines(event.text);
     const auto refuse = [&](const std::string& problem) {
@@ -374,6 +375,15 @@ void Rewriter::Impl::RunCalls() {
       runs.back().calls[call_line].clear();
       runs.back().is_packed[call_line] = event.is_packed;
     };
+    // What a line that is held became stands in its place, with the lines behind it that it waited for.
+    const auto release = [&] {
+      if (!corners.is_holding()) return;
+      corners.Release(kNoMoveBehind, this);
+      if (!is_null() && !job.is_refused())
+        runs.back().written[held_at - runs.back().begin].emplace(out.data(), out.size());
+      out.clear();
+    };
+    if (event.kind != Execution::Event::Kind::kLine || event.is_call || event.is_followed_return) release();
     switch (event.kind) {
       case Execution::Event::Kind::kEnter: {
         const Body& body = execution.bodies()[static_cast<size_t>(event.body)];
@@ -410,8 +420,18 @@ void Rewriter::Impl::RunCalls() {
         job.SetSource(execution.text_name(event.text));
         interpreter.SetLine(execution.line_number(event.text, event.line), event.is_followed_return, event.is_call,
                             event.call_problem);
+        const bool was_holding = corners.is_holding();
         Line(line.data(), line.size(), line.size() > kMaxLineBytes);
         const bool keeps = !is_null() && !job.is_refused();
+        if (was_holding || corners.is_holding()) {
+          std::vector<std::optional<std::string>>& slots = runs.back().written;
+          const size_t begin = runs.back().begin;
+          if (was_holding && keeps && !out.empty()) slots[held_at - begin].emplace(out.data(), out.size());
+          if (keeps && (was_holding && !(corners.is_holding() && !out.empty()))) slots[event.line - begin].emplace();
+          if (!was_holding || !out.empty()) held_at = event.line;
+          out.clear();
+          break;
+        }
         const bool is_changed =
             keeps && (out.size() != line.size() || std::memcmp(out.data(), line.data(), line.size()) != 0);
         if (is_changed && event.is_call) refuse("the block would change: put the call alone in its block");
@@ -421,6 +441,11 @@ void Rewriter::Impl::RunCalls() {
         break;
       }
     }
+  }
+  if (corners.is_holding()) {
+    corners.Release(kNoMoveBehind, this);
+    if (!is_null() && !job.is_refused()) runs[0].written[held_at - runs[0].begin].emplace(out.data(), out.size());
+    out.clear();
   }
   is_running = false;
   std::swap(out, held);

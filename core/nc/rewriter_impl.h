@@ -11,6 +11,7 @@
 #include "core/compensate/compensator.h"
 #include "core/nc/block_writer.h"
 #include "core/nc/calls.h"
+#include "core/nc/corners.h"
 #include "core/nc/cutter_contour.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/job_report.h"
@@ -24,7 +25,7 @@ namespace axiscal::nc {
 
 inline constexpr size_t kOutBytes = 1u << 16;
 
-struct Rewriter::Impl {
+struct Rewriter::Impl : CornerHost {
   // A tool of a stated length: its tool point stands elsewhere.
   struct Tool {
     int number;
@@ -95,6 +96,9 @@ struct Rewriter::Impl {
   CutterContour contour;
   int64_t programs_begun = 0;  // as the writer knows
   bool has_ended = false;      // the program that is read now
+  Corners corners;
+  // Why the corner at an end of the move that is read stays the control's, or the pattern of holes is not followed.
+  std::string line_problem;
 
   // From the first line on that calls a subprogram the lines wait for the end of the text, where they are run in the
   // order of the control.
@@ -113,6 +117,20 @@ struct Rewriter::Impl {
   }
 
   void Line(const char* text, size_t size, bool is_overlong);
+  // The line that `now` is.
+  void ReadLine(bool is_overlong, bool is_resolved);
+  // The same, or the blocks that it stands for (hole_patterns.h).
+  void ReadOrExpand(bool is_overlong, bool is_resolved);
+  // The line that was read is none of the program's, behind which `corrected` blocks were.
+  void CountInserted(int64_t corrected);
+  void Read(const CornerLine& line) override;
+  const Interpreter& reader() const override { return interpreter; }
+  bool IsOnContour() const override { return contour_state == ContourState::kOn; }
+  bool MayStay(const Step& from, const Step& to, double reach_mm) override;
+  // The words of a line that is no line of the program: their decimals beyond the resolution are none of the program's.
+  void ShortenWords();
+  // Why a correction must not move the axis out of the plane beside the corner, or "".
+  std::string WhyNoCorner() const;
   // The axes whose position the move needs, and that nothing in front of it states, are asked for.
   void AskStart();
   // Rotary axes that no block names, for the report.

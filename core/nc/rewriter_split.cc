@@ -97,7 +97,10 @@ std::string Rewriter::Impl::SkipPrefix() const {
 std::string Rewriter::Impl::WhyNotSplit() const {
   constexpr double kMaxFeed = 1e9;
   if (step.ends_block || step.is_tool_change) return "its block has a code that acts, or may act, after the move";
-  if (step.is_at_corner) return "the control rounds or chamfers the corner at one of its ends, and needs it whole";
+  if (step.is_at_corner) {
+    return absl::StrCat("the control rounds or chamfers the corner at one of its ends, and needs it whole",
+                        line_problem.empty() ? "" : ": ", line_problem);
+  }
   // Pieces are written in the mode of the program, and an absolute word may go another way than the block's own.
   for (int i = 0; i < compensator.machine().axis_count() && !interpreter.modal().is_incremental; ++i) {
     const machine::Axis& axis = compensator.machine().axes[i];

@@ -108,16 +108,16 @@ TEST(Sinumerik, PiecesOfATurnGoTheSameWayRound) {
 
 TEST(Sinumerik, CornersAreRoundedByTheControlWhereTheirMovesStayWhole) {
   EXPECT_REWRITTEN(Sinumerik(), "G1 X10 RND=2 F500\nY10 CHF=1.5 FRC=200\nX0 CHR=1\nRNDM=3\nY0\nX5\nRNDM=0\nX6\n",
-                   "G1 X10.0417 RND=2 F500\nY10 CHF=1.5 FRC=200\nX0.0417 CHR=1\nRNDM=3\nY0\nX5.0417\nRNDM=0\n"
+                   "G1 X10.0417 RND=2 F500\nY10 CHF=1.5 FRC=200\nX0.0417 CHR=1\n\nY0 RND=3\nX5.0417\n\n"
                    "X6.0417\n");
   RewriteOptions fine = Sinumerik();
   fine.tolerance_mm = 0.001;
-  const std::string reason = "cannot be split: the control rounds or chamfers the corner at one of its ends";
+  const std::string reason = "the control rounds or chamfers no corner beside a move that leaves the working plane";
   EXPECT_REFUSED(fine, "G1 X10 F500\nB90 X20 RND=2\n", reason);
   EXPECT_REFUSED(fine, "G1 X10 RND=2 F500\nB90 X20\n", reason);
-  EXPECT_REFUSED(fine, "G1 X10 F500\nRNDM=1\nB90 X20\n", reason);
+  EXPECT_REFUSED(fine, "G1 X10 F500\nRNDM=1\nB90 X20\nY30\n", reason);
   EXPECT_TRUE(testing::Rewritten("G1 X10 RND=2 F500\nY10\nB90 X20\n", fine).status.ok());
-  EXPECT_TRUE(testing::Rewritten("RNDM=1\nG1 X10 F500\nRNDM=0\nB90 X20\n", fine).status.ok());
+  EXPECT_TRUE(testing::Rewritten("RNDM=1\nG1 X10 F500\nRNDM=0\nZ5\nB90 X20\n", fine).status.ok());
   EXPECT_REFUSED(Sinumerik(), "G1 X10 RND=R5\n", "without a number");
 }
 

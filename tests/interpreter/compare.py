@@ -267,6 +267,15 @@ class Comparison:
             now = sum(p.minutes for p in pieces)
             if abs(now - s.minutes) > 0.001 + 0.05 * s.minutes:
                 raise Difference("the move takes %.5f min, in the source %.5f" % (now, s.minutes), s, pieces)
+        if s.feed is not None and any(p.feed is not None and abs(p.feed - s.feed) > 1e-6 for p in pieces):
+            raise Difference("feed %s, in the source %s" % ([p.feed for p in pieces], s.feed), s, pieces)
+        # Corners that are no moves of their own (corners.py); one of RNDM may say so itself.
+        is_own = isinstance(s.corner, tuple) and s.corner[4]
+        for p in pieces:
+            if isinstance(p.corner, tuple) and not (p is last and isinstance(s.corner, tuple) and same(p.corner[:4], s.corner[:4])):
+                raise Difference("another corner: %s, in the source %s" % (p.corner, s.corner), s, pieces)
+        if is_own and not isinstance(last.corner, tuple):
+            raise Difference("the corner %s is lost" % (s.corner,), s, pieces)
         if any(p.rapid != s.rapid for p in pieces):
             raise Difference("rapid or feed differs", s, pieces)
         was_corrected = self.is_corrected
@@ -352,7 +361,7 @@ class Comparison:
     def is_right_at_end(self, s, last):
         want, _ = self.machine.tip(s.end, s.length)
         have, _ = self.machine.tip(last.end, last.length, True)
-        return math.dist(want, have) <= self.limits.end_mm + self.left(s)
+        return math.dist(want, have) <= (self.limits.path_mm if last.is_made else self.limits.end_mm) + self.left(s)
 
     def contour_problem(self, s, pieces):
         """Cutter compensation: the control leads the tool's centre a radius beside the contour of the words. Is the tool of
@@ -426,7 +435,8 @@ class Comparison:
         off = math.dist(want, have)
         # A full circle ends where it began, wherever else its correction leads.
         is_full = s.arc is not None and abs(abs(s.arc[4]) - 2 * math.pi) < 1e-3
-        if off > (limits.path_mm if is_full else limits.end_mm) + self.left(s):
+        # A corner that the control makes is part of the path.
+        if off > (limits.path_mm if is_full or pieces[-1].is_made else limits.end_mm) + self.left(s):
             return "the tool is %.5f mm off at the end" % off
         self.worst_end = max(self.worst_end, off)
         if s.cut:

@@ -18,12 +18,14 @@ class Alarm(Exception):
 class Event:
     __slots__ = ("frame", "kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
                  "unsure_before", "unsure", "length", "named", "corner", "entry", "bottom", "cut", "vector",
-                 "callers")
+                 "callers", "feed", "is_made")
 
     def __init__(self, kind, line, number, key=None):
         self.kind, self.line, self.number, self.key = kind, line, number, key
         self.arc = self.minutes = self.frame = self.cut = self.vector = None
         self.rapid = self.corner = False
+        self.feed = None  # where it is compared
+        self.is_made = False  # begins or ends where the control makes a corner
         self.words = self.callers = ()
         self.length = 0.0
 
@@ -352,6 +354,7 @@ class Control:
             event.arc = self.circle(event, *arc)
         event.cut = self.cut(event)
         event.minutes = None if rapid else self.minutes(event)
+        event.feed = None if rapid or self.feed_mode == 93 else self.compared_feed()
         return event
 
     def hole(self, key, words, raw, entry, bottom, level):
@@ -389,6 +392,9 @@ class Control:
             if self.feed <= 0:
                 raise Alarm("inverse time without F")
             return 1.0 / self.feed
+        return None
+
+    def compared_feed(self):
         return None
 
     def path_length(self, event):

@@ -681,6 +681,63 @@ class Program(Writer):
         self.feed_move({"Y": y + 25})
         self.feed_move({"X": x})
 
+    def corner_words(self):
+        """Words of Sinumerik for the corner at the end of a move."""
+        rng = self.rng
+        size = rng.choice([0.3, 1.0, 2.0, 2.5, 5.0, round(rng.uniform(0.1, 8.0), 3)]) / self.length_scale()
+        words = "%s=%s" % (rng.choice(["RND", "RND", "CHF", "CHR"]), self.number(size).lstrip("+"))
+        return words + rng.choice(["", "", " FRC=%d" % rng.choice([80, 150])])
+
+    def add_words(self, words):
+        """To the last block, which is a move."""
+        if ";" not in self.lines[-1]:
+            self.lines[-1] += " " + words
+
+    def f_rounded(self):
+        """A contour with corners that the control makes."""
+        rng = self.rng
+        if self.dialect != "sinumerik" or self.g93 or self.case.get("increment"):
+            return
+        self.plane_xy()
+        self.restate()
+        incremental = rng.random() < 0.2
+        if incremental:
+            self.plain("G91")
+            self.incremental = True
+        if rng.random() < 0.3:
+            self.plain("RNDM=%s" % self.number(rng.choice([0.5, 1.5, 4.0]) / self.length_scale()).lstrip("+") +
+                       rng.choice(["", "", " FRCM=90"]))
+        heading = rng.uniform(0, 2 * math.pi) if rng.random() < 0.6 else rng.choice([0, 1, 2, 3]) * math.pi / 2
+        for _ in range(rng.randrange(2, 7)):
+            length = rng.choice([rng.uniform(3, 30), rng.uniform(20, 90)])
+            kind = rng.random()
+            if kind < 0.7:
+                self.feed_move({"X": self.m["X"] + length * math.cos(heading), "Y": self.m["Y"] + length * math.sin(heading)})
+            elif kind < 0.93:
+                turn, r = rng.choice([1, -1]), rng.choice([6.0, 15.0, 60.0])
+                a, sweep = heading - turn * math.pi / 2, turn * rng.uniform(0.4, 2.8)
+                centre = (self.m["X"] - r * math.cos(a), self.m["Y"] - r * math.sin(a))
+                end = (centre[0] + r * math.cos(a + sweep), centre[1] + r * math.sin(a + sweep))
+                self.arc(turn < 0, centre, end, form=rng.choice(["centre", "radius"]))
+                heading += sweep
+            else:
+                self.feed_move({"Z": self.m["Z"] + rng.choice([-2.0, 3.0])})
+            if rng.random() < 0.5:
+                self.add_words(self.corner_words())
+            if rng.random() < 0.1:
+                self.lines.append(rng.choice(["", "; CORNER"]))
+            heading += rng.choice([math.pi / 2, -math.pi / 2, rng.uniform(-2.7, 2.7), rng.uniform(-0.02, 0.02), 0.0])
+        if rng.random() < 0.5:
+            self.plain("RNDM=0")
+        else:
+            self.rapid({"Z": self.m["Z"] + 5.0})
+            self.plain("RNDM=0 FRCM=0")
+        if incremental:
+            self.plain("G90")
+            self.incremental = False
+        self.motion = self.feed = None
+        self.restate()
+
     def f_wrap(self):
         """Sinumerik's stated ways round of a modulo axis."""
         if self.dialect != "sinumerik" or "C" not in self.rotary:
@@ -983,6 +1040,8 @@ class Program(Writer):
             else:
                 self.feed_move(dict(ahead(rng.uniform(low, 40)), Z=self.m["Z"] - 2.0))
                 heading += rng.uniform(-0.5, 0.5)
+            if d == "sinumerik" and kind < 0.8 and rng.random() < 0.25:
+                self.add_words(self.corner_words())
         off = "R0" if d == "heidenhain" else "G40"
         if rng.random() < 0.3 and d != "heidenhain":
             self.plain(off)
@@ -1203,10 +1262,29 @@ class Program(Writer):
             self.lines.append("MCALL " + call)
             for _ in range(rng.randrange(1, 5)):
                 self.rapid(self.targets(rng.choice([["X"], ["Y"], ["X", "Y"]])))
+            for _ in range(rng.choice([0, 0, 1, 1, 2])):
+                self.pattern_of_holes()
             self.plain("MCALL")
         self.m["Z"] = None
         self.rapid(self.targets(self.linear))
         self.f_lines()
+
+    def pattern_of_holes(self):
+        """A row or a circle, which calls the cycle of MCALL."""
+        rng = self.rng
+        place = [round(rng.uniform(-40, 40), 2) for _ in range(2)]
+        if rng.random() < 0.3:
+            self.plain("G1 F200")
+            self.motion = 1
+        angle = rng.choice([0, 30, -90, round(rng.uniform(-179, 180), 2)])
+        kind = rng.choice([1, 2])
+        if kind == 1:
+            words = place + [angle, rng.choice([0, 5, 7.5]), rng.choice([8, 12.25]), rng.randrange(1, 6)]
+        else:
+            words = place + [rng.choice([15, 22.5]), angle, rng.choice([0, 30, -40]), rng.randrange(1, 7)]
+        self.lines.append("HOLES%d(%s)" % (kind, ",".join("%g" % w for w in words)))
+        self.m["X"] = self.m["Y"] = None
+        self.motion = None
 
     def f_expression(self):
         """Words of variables that the program has set: X[#101+2.5*3.], X=R1-4."""
@@ -1743,7 +1821,7 @@ class Program(Writer):
 
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
-             ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
+             ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("rounded", 1.5), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
              ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("o_arguments", 0.7), ("shift", 1),
              ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5), ("expression", 1), ("file", 1), ("orivect", 1)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),

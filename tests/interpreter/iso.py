@@ -2,6 +2,7 @@
 import math
 import re
 
+from corners import resolve
 from control import Alarm, Control, about, along, chain, times
 
 PLANES = {17: ("X", "Y", "I", "J"), 18: ("Z", "X", "K", "I"), 19: ("Y", "Z", "J", "K")}
@@ -43,7 +44,7 @@ class Iso(Control):
         # Without the line's end. LinuxCNC: rs274 of 2.9; Sinumerik: Programming Manual Fundamentals.
         self.max_line = {"linuxcnc": 252, "sinumerik": 512}.get(dialect)
         self.arc_tolerance_mm = {"sinumerik": 0.011, "haas": 0.02, "linuxcnc": 0.127}.get(dialect, 0.02)
-        self.corner_all = False
+        self.corner_all, self.corner_feed_all = None, None  # RNDM, FRCM
         self.unsure_later = set()
 
     def check_radii(self, r0, r1):
@@ -107,7 +108,7 @@ class Iso(Control):
                 continue
             what, where, times = jump
             if what == "end":
-                return self.trace
+                return self.resolved()
             if what == "goto":
                 pc = where
             elif what == "call":
@@ -117,7 +118,7 @@ class Iso(Control):
                 pc = where + 1
             elif what == "return":
                 if not stack:
-                    return self.trace
+                    return self.resolved()
                 stack[-1][2] -= 1
                 if stack[-1][2] > 0:
                     pc = stack[-1][1] + 1
@@ -131,7 +132,13 @@ class Iso(Control):
                 while (pc < end or main <= pc < len(body)) and not re.match(r"\s*O\s*%d\s*ENDSUB" % where, body[pc][0], re.I):
                     pc += 1
                 pc += 1
-        return self.trace
+        return self.resolved()
+
+    def resolved(self):
+        return resolve(self.trace, self.linear, self.axes) if self.is_sinumerik else self.trace
+
+    def compared_feed(self):
+        return self.feed if self.is_sinumerik else None
 
     def clean(self, line):
         """The block without comments, and whether a '/' leads it."""
@@ -883,6 +890,11 @@ class Iso(Control):
                 else:
                     self.lose(self.axes)
                 other.remove(w)
+            elif a in ("HOLES1", "HOLES2") and self.modal_cycle and self.places(w.value) is not None and not self.foreign and \
+                    not self.tcp and self.plane == 17 and not self.incremental and not self.inch and self.motion in (0, 1):
+                for x, y in self.places(w.value):
+                    self.call_cycle("MCALL", self.modal_cycle, {"X": (x, False), "Y": (y, False)}, (x, y))
+                other.remove(w)
             elif a.startswith(("CYCLE", "POCKET", "HOLES", "SLOT")):
                 self.code(a, w.value)
                 self.lose(self.axes)
@@ -894,7 +906,7 @@ class Iso(Control):
                 self.modal_cycle = self.called(rest[5:]) if call and "modal call" not in self.foreign else None
                 (self.leave if rest == "MCALL" or self.modal_cycle else self.enter)("modal call")
                 other.remove(w)
-            elif re.fullmatch(r"L\d+|[A-Z_]\w*", a) and a not in ("CR", "RND", "CHF", "CHR", "RNDM", "ADIS", "SPOS",
+            elif re.fullmatch(r"L\d+|[A-Z_]\w*", a) and a not in ("CR", "FRC", "FRCM", "RND", "CHF", "CHR", "RNDM", "ADIS", "SPOS",
                                                                  "AP", "RP", "ANG", "AR", "TURN", "CT", "CIP", "A3", "B3", "C3"):
                 self.code("call", a)
                 self.lose(self.axes)
@@ -950,10 +962,13 @@ class Iso(Control):
 
     def act(self, axis_words, other):
         corner = self.take(other, ",R", ",C", "RND", "CHF", "CHR", "ADIS")
-        rndm = self.take(other, "RNDM").get("RNDM")
-        if rndm:
-            self.corner_all = rndm.value != 0
-            self.code("RNDM", rndm.value)
+        all_corners = self.take(other, "RNDM", "FRCM")
+        if "RNDM" in all_corners:
+            self.corner_all = all_corners["RNDM"].value * self.length_unit() or None
+        if "FRCM" in all_corners:
+            self.corner_feed_all = all_corners["FRCM"].value * self.length_unit() or None
+        frc = self.take(other, "FRC").get("FRC")
+        corner_feed = frc.value * self.length_unit() or None if frc else self.corner_feed_all
         for address, w in self.take(other, "SPOS").items():
             self.code(address, w.value)
         has_centre = any(w.address in ("I", "J", "K", "R", "CR") for w in other)
@@ -1033,9 +1048,11 @@ class Iso(Control):
         for w in other:
             if w.address not in ("I", "J", "K", "R", "CR", "P", "L"):
                 self.code(w.address, w.value)
-        if corner or self.corner_all:
-            event.corner = True
-            event.words += tuple(sorted((a, w.value) for a, w in corner.items()))
+        made = [a for a in ("RND", "CHF", "CHR") if a in corner]
+        if made or self.corner_all:  # what the control makes of it: corners.py
+            kind, size = (made[0], corner[made[0]].value * self.length_unit()) if made else ("RND", self.corner_all)
+            event.corner = (kind, size, self.plane, corner_feed, bool(made))
+        event.words += tuple(sorted((a, w.value) for a, w in corner.items() if a not in made))
 
     def tool_vector(self, other):
         """I, J and K of G43.5, A3=, B3= and C3= of Sinumerik; its words are taken out of the block."""
@@ -1059,6 +1076,22 @@ class Iso(Control):
         depth = number[3] if number[3] is not None else number[1] - abs(number[4])
         heights = [number[1] + abs(number[2] or 0.0), depth, number[0]]
         return [h * self.length_unit() + self.offset("Z") for h in heights]
+
+    def places(self, text):
+        """Of HOLES1(SPCA, SPCO, STA1, FDIS, DBH, NUM), a row from its nearer end on, and HOLES2(CPA, CPO, RAD, STA1, INDA, NUM)."""
+        match = re.fullmatch(r"HOLES([12])\s*\(([-+.,\d\s]*)\)", text.strip(), re.I)
+        n = [float(v) if v.strip() else 0.0 for v in match.group(2).split(",")] if match else []
+        if len(n) != 6 or n[5] < 1 or n[5] != int(n[5]):
+            return None
+        if match.group(1) == "1":
+            c, s = math.cos(math.radians(n[2])), math.sin(math.radians(n[2]))
+            found = [(n[0] + (n[3] + i * n[4]) * c, n[1] + (n[3] + i * n[4]) * s) for i in range(int(n[5]))]
+            here = [self.standing()[a] - self.offset(a) for a in "XY"]
+            if self.opaque & {"X", "Y"}:
+                return found
+            return found[::-1] if math.dist(here, found[-1]) < math.dist(here, found[0]) - 1e-6 else found
+        turns = [math.radians(n[3] + i * (n[4] or 360.0 / n[5])) for i in range(int(n[5]))]
+        return [(n[0] + n[2] * math.cos(t), n[1] + n[2] * math.sin(t)) for t in turns]
 
     def call_cycle(self, name, heights, words, raw):
         entry, bottom, level = heights
