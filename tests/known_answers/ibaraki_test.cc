@@ -295,6 +295,114 @@ TEST(Ibaraki, MapsAndAPlaceThatNobodyKnowsAreNotSeparable) {
   EXPECT_EQ(result->not_separable.size(), 6u);
 }
 
+// The columns as the paper touches them: all fifteen faces at the reference pose, fewer elsewhere. Here the sides that
+// the machine reaches from one direction down to A = -30, those opposite beyond.
+session::Session FewerElsewhere(session::Session session) {
+  const std::vector<double> a_deg = session::FindColumn(session, "A_deg")->values,
+                            c_deg = session::FindColumn(session, "C_deg")->values;
+  const std::vector<std::string> faces = session::FindColumn(session, "feature")->texts;
+  const auto is_touched = [&](size_t k) {
+    if ((a_deg[k] == 0 && c_deg[k] == 0) || faces[k].ends_with("top")) return true;
+    return faces[k].find('+') != std::string::npos ? a_deg[k] > -45 : a_deg[k] < -45;
+  };
+  for (session::Column& column : session.columns) {
+    std::vector<double> values;
+    std::vector<std::string> texts;
+    for (size_t k = 0; k < faces.size(); ++k) {
+      if (!is_touched(k)) continue;
+      if (k < column.values.size()) values.push_back(column.values[k]);
+      if (k < column.texts.size()) texts.push_back(column.texts[k]);
+    }
+    column.values = std::move(values);
+    column.texts = std::move(texts);
+  }
+  return session;
+}
+
+// Standard uncertainties of the eight location errors, um and urad, by generalised least squares of what the faces move
+// along their normals: touches scatter by `touch_um`, faces stand out by `face_um`, the columns' place is known to 5 mm
+// and 20 mrad. Written down from the paper's model alone: nothing of the engine's evaluation is in it.
+Eigen::VectorXd ByGeneralisedLeastSquares(const session::Session& session, double touch_um, double face_um) {
+  constexpr int kErrors = 8;
+  const std::pair<bool, int> errors[kErrors] = {{false, 1}, {false, 2}, {false, 4}, {false, 5},
+                                                {true, 0},  {true, 1},  {true, 3},  {true, 4}};  // of C; which of six
+  const std::vector<double>&a_deg = session::FindColumn(session, "A_deg")->values,
+        &c_deg = session::FindColumn(session, "C_deg")->values;
+  const std::vector<std::string>& names = session::FindColumn(session, "feature")->texts;
+  const std::vector<Face> faces = Columns();
+  std::map<std::string, int> number;  // in the order of Columns(), which is that of the first fifteen touches
+  for (const std::string& name : names) number.try_emplace(name, static_cast<int>(number.size()));
+  Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
+  for (const Face& face : faces) centre_mm += face.point_mm / static_cast<double>(faces.size());
+  const auto n = static_cast<Eigen::Index>(names.size());
+  Eigen::MatrixXd by(n, kErrors + 6), out = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(faces.size()));
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const auto k = static_cast<size_t>(row);
+    const Face& face = faces[static_cast<size_t>(number[names[k]])];
+    const geometry::Rigid<double> table = TablePose(a_deg[k], c_deg[k], {});
+    const Eigen::Vector3d normal = table.rotation * face.normal, arm_mm = table * face.point_mm;
+    for (int i = 0; i < kErrors; ++i) {
+      Pose of_a = Pose::Zero(), of_c = Pose::Zero();
+      (errors[i].first ? of_c : of_a)[errors[i].second] = 1.0;
+      const Pose moved = TablePoseError(a_deg[k], c_deg[k], ErrorsOf(of_a, of_c));  // um, urad
+      by(row, i) = normal.dot(moved.head<3>() + 1e-3 * moved.tail<3>().cross(arm_mm));
+    }
+    by.row(row).segment<3>(kErrors) = face.normal.transpose();
+    by.row(row).tail<3>() = 1e-3 * (face.point_mm - centre_mm).cross(face.normal).transpose();
+    out(row, number[names[k]]) = 1.0;
+  }
+  const Eigen::MatrixXd covariance =
+      touch_um * touch_um * Eigen::MatrixXd::Identity(n, n) + face_um * face_um * out * out.transpose();
+  Eigen::MatrixXd normal = by.transpose() * covariance.ldlt().solve(by);
+  for (int i = 0; i < 3; ++i) {
+    normal(kErrors + i, kErrors + i) += 1.0 / (5e3 * 5e3);
+    normal(kErrors + 3 + i, kErrors + 3 + i) += 1.0 / (20e3 * 20e3);
+  }
+  return normal.inverse().diagonal().head<kErrors>().cwiseSqrt();
+}
+
+// Where the faces of the columns are known to a micrometre the errors are as uncertain as the formula says: hardly more
+// than by the touches where all faces are touched at every pose, clearly more where they are not.
+TEST(Ibaraki, ErrorsOfTheArtefactAreInTheUncertainties) {
+  const machine::ErrorModel truth = Model(absl::StrCat("{", kEight, "}"));
+  constexpr double kTouchUm = 0.175, kFaceUm = 1.0;
+  for (const bool are_all_touched : {true, false}) {
+    session::Session planned = ColumnsSession();
+    if (!are_all_touched) planned = FewerElsewhere(std::move(planned));
+    const Eigen::VectorXd touches_alone = ByGeneralisedLeastSquares(planned, kTouchUm, 1e-6);
+    for (const double face_um : {0.0, kFaceUm}) {
+      session::Session stated = planned;
+      if (face_um > 0.0) stated.header.push_back({"feature_sigma_um", absl::StrCat(face_um)});
+      synthetic::NoiseOptions noise;
+      noise.sigma_scale = 0.0;
+      noise.draw_setup = false;
+      const session::Session session = synthetic::Simulate(TiltingTableAc(), truth, stated, noise).value();
+      identify::Options options;
+      options.model = truth;
+      options.judge_correlation = false;  // readings without noise would be taken for a better probe's
+      const auto result = identify::Identify(TiltingTableAc(), {session}, options);
+      ASSERT_TRUE(result.ok()) << result.status();
+      const Eigen::VectorXd expected = ByGeneralisedLeastSquares(planned, kTouchUm, std::max(face_um, 1e-6));
+      ASSERT_EQ(result->estimates.size(), 8u);
+      for (size_t i = 0; i < 8; ++i) {
+        const identify::Estimate& estimate = result->estimates[i];
+        const auto at = static_cast<Eigen::Index>(i);
+        constexpr double kFirstOrder = 2e-3;
+        EXPECT_NEAR(1e3 * (i == 0 || i == 1 || i == 4 || i == 5 ? 1.0 : 1e3) * estimate.sigma / expected[at], 1.0,
+                    kFirstOrder)
+            << estimate.name << " " << are_all_touched << " " << face_um;
+      }
+      const double ratio = (expected.array() / touches_alone.array()).maxCoeff();
+      if (face_um == 0.0) continue;
+      if (are_all_touched) {
+        EXPECT_LT(ratio, 1.01);
+      } else {
+        EXPECT_GT(ratio, 1.2);  // else the faces would not enter
+      }
+    }
+  }
+}
+
 // Columns that move by 4 um between two touches are said to have moved, in that session at that moment.
 // All sides stand off by what the radius is wrong, opposite ones in opposite directions; the columns' height takes it
 // from the tops. Set aside as chips, all of them, the tops would leave the errors without a number.
