@@ -20,7 +20,8 @@ struct Picture {
   std::vector<plot::Panel> panels;
 };
 
-// All texts in `language`, of the ranking in English. `fit` and `check`: the runs that the report was made of, in the same order.
+// All texts in `language`, of the ranking in English. `fit` and `check`: the runs that the report was made of, in the
+// same order.
 //   residual-AXIS.svg, residual-time.svg, residual-temperature.svg   of variables that vary; um, mm, deg, s, deg C;
 //                         along an axis by the sense of its motion, where a session went both ways
 //   spectrum-AXIS.svg     of what goes once about a rotary axis or over the most of a linear axis' way: amplitude of
