@@ -100,6 +100,11 @@ TEST(CalibrationSheet, ManyErrorsStandInPairs) {
                                            "EXC:harmonic(28)", "28.0", "1", "2.1", "µm"));
   EXPECT_THAT(section.rows[29], ElementsAre("EXC:harmonic(27)", "27.0", "1", "2.1", "µm", "", "", "", "", ""));
   EXPECT_THAT(section.lines, Not(Contains(HasSubstr("more"))));
+  // In smaller letters where the usual ones would take a second page.
+  EXPECT_THAT(ToHtml(CalibrationSheet(ACalibration(), Language::kEnglish)), Not(HasSubstr("class=\"dense\"")));
+  auto& sessions = std::get<reports::Identification>(calibration.report).fitted.sessions;
+  sessions.resize(8, sessions[0]);
+  EXPECT_THAT(ToHtml(CalibrationSheet(calibration, Language::kEnglish)), HasSubstr("<body class=\"dense\">"));
 }
 
 TEST(CalibrationSheet, WhatWouldNotFitIsCutAndSaysSo) {

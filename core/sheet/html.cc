@@ -28,7 +28,11 @@ constexpr char kStyle[] =
     "p{margin:.4mm 0;overflow-wrap:anywhere;unicode-bidi:isolate}"
     ".sign{display:flex;gap:10mm;margin-top:12mm}.sign p{flex:1;border-top:.3mm solid #000;padding-top:.8mm}"
     "footer{margin-top:2mm;font-size:7.5pt;color:#333}"
+    ".dense{font-size:7.5pt}"
     "@media print{body{padding:0}}";
+
+// Rows and lines that fit on a page in the usual letters.
+constexpr size_t kMostUsual = 42;
 
 std::string Cells(const Section& section, const std::vector<std::string>& cells, bool is_head) {
   std::string html = "<tr>";
@@ -54,13 +58,16 @@ std::string ToHtml(const Section& section) {
 }  // namespace
 
 std::string ToHtml(const Sheet& sheet) {
+  size_t count = 0;
+  for (const Section& section : sheet.sections) count += section.rows.size() + section.lines.size();
   const std::string title = Escape(sheet.title), subtitle = Escape(sheet.subtitle);
   std::string html = absl::StrCat(
       "<!DOCTYPE html>\n<html lang=\"", sheet.language == Language::kGerman ? "de" : "en",
       "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
       "<title>",
-      title, " · ", subtitle, "</title><style>", kStyle, "</style></head>\n<body><main>\n<h1>", title,
-      "</h1>\n<p class=\"sub\">", subtitle, "</p>\n<dl>");
+      title, " · ", subtitle, "</title><style>", kStyle, "</style></head>\n<body",
+      count > kMostUsual ? " class=\"dense\"" : "", "><main>\n<h1>", title, "</h1>\n<p class=\"sub\">", subtitle,
+      "</p>\n<dl>");
   for (const Fact& fact : sheet.facts)
     absl::StrAppend(&html, "<div><dt>", Escape(fact.name), "</dt><dd>", Escape(fact.value), "</dd></div>\n");
   html += "</dl>\n";
