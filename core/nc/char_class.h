@@ -3,6 +3,7 @@
 #define AXISCAL_CORE_NC_CHAR_CLASS_H_
 
 #include <cstdint>
+#include <string_view>
 
 #include "core/nc/plain_words.h"
 
@@ -25,6 +26,12 @@ inline constexpr CharClasses kClasses;
 
 inline uint8_t Class(char c) { return kClasses.of[static_cast<unsigned char>(c)]; }
 inline char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+inline std::string_view WithoutBlanks(std::string_view text) {
+  while (!text.empty() && Class(text.front()) == kBlank) text.remove_prefix(1);
+  while (!text.empty() && Class(text.back()) == kBlank) text.remove_suffix(1);
+  return text;
+}
 
 // Digits up to `end`.
 inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {

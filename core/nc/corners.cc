@@ -17,8 +17,6 @@ constexpr double kLeastArcMm = 0.01;
 constexpr double kSquareFrame = 1e-9;
 
 bool IsOfName(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
-bool IsDecimal(char c) { return c >= '0' && c <= '9'; }
-bool IsSpace(char c) { return c == ' ' || c == '\t'; }
 
 // Whether `name` (capitals) stands at `at`.
 bool NameStandsAt(const char* at, const char* end, const char* name) {
@@ -57,10 +55,10 @@ void Corners::NoteFeed(const char* text, size_t size) {
     is_in_text ^= *at == '"';
     if (is_in_text || Capital(*at) != 'F' || (at > text && IsOfName(at[-1]))) continue;
     const char* digit = at + 1;
-    while (digit < end && (IsSpace(*digit) || *digit == '=')) ++digit;
+    while (digit < end && (Class(*digit) == kBlank || *digit == '=')) ++digit;
     if (digit < end && IsOfName(*digit) && digit == at + 1) continue;  // another word: FRC, FB
     const char* last = digit;
-    while (last < end && (IsDecimal(*last) || *last == '.')) ++last;
+    while (last < end && (Class(*last) == kDigit || *last == '.')) ++last;
     const bool is_plain = last > digit && (last == end || !std::strchr("+-*/([", *last));
     // In a block that may be skipped it may not act.
     feed_ = is_plain && text[0] != '/' ? std::string(digit, last) : "";
@@ -111,7 +109,7 @@ void Corners::Begin(int64_t number, const char* text, size_t size, bool is_chang
 
 Corners::Edit Corners::Erased(const Side& side, const Word& word) {
   size_t at = word.letter_at;
-  while (at > 0 && IsSpace(side.text[at - 1])) --at;
+  while (at > 0 && Class(side.text[at - 1]) == kBlank) --at;
   return {at, word.end, ""};
 }
 
@@ -377,11 +375,7 @@ void Corners::ReadHeld(const std::string& text, const std::string& problem, bool
 std::string Corners::NumberOf(Ticks number, int decimals) const {
   const RewriteOptions& options = ahead_->options();
   const int least = std::max(decimals, unit_ == kTicksPerInch ? options.decimals_inch : options.decimals_mm);
-  const bool is_exact = number % GrainTicks(unit_, least) == 0;
-  const int used = is_exact ? least : kMaxDecimals;
-  std::string text;
-  AppendFixed(RoundToGrains(number, GrainTicks(unit_, used)), used, false, true, &text);
-  return text;
+  return TicksText(number, unit_, least);
 }
 
 void Corners::Say(const Word& word, Ticks number, Side* side) const {
@@ -394,7 +388,7 @@ size_t Corners::EndOfWords(const Interpreter& reader, const Side& side) {
     if (reader.AxisOf(word.letter) < 0 && reader.RoleOf(word.letter) != Role::kCentre) continue;
     at = word.end;
     if (word.distance == Distance::kModal) continue;
-    while (at < side.text.size() && IsSpace(side.text[at])) ++at;
+    while (at < side.text.size() && Class(side.text[at]) == kBlank) ++at;
     at = at < side.text.size() && side.text[at] == ')' ? at + 1 : word.end;
   }
   return at;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/machine/error_json.h"
 #include "core/nc/corner_geometry.h"
 #include "core/nc/testing/rewritten.h"
 #include "core/nc/verify.h"
@@ -146,6 +147,26 @@ TEST(Corners, StayWhereTheControlMakesThemBetweenCorrectedMoves) {
   EXPECT_REWRITTEN(Sinumerik(), program, "G1 X50.0417 F500 RND=5\nY50 CHF=1.5 FRC=200\nX0.0417\n");
   // RNDM is said by each corner, as others are written as moves.
   EXPECT_REWRITTEN(Sinumerik(), "RNDM=3\nG1 X50 F500\nY50\nX0\n", "\nG1 X50.0417 RND=3 F500\nY50 RND=3\nX0.0417\n");
+}
+
+// Whether a word out of the plane is due is a matter of rounding beside what is commanded: 4.50 um at X50, 4.48 at the
+// corner need none, 4.43 at the end behind it does.
+TEST(Corners, ThatStayNeedNoWordOutOfThePlane) {
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  const auto errors =
+      machine::ReadErrors(R"({"terms": [{"symbol": "EZX", "shape": "linear", "amplitude": 90}]})", machine);
+  ASSERT_TRUE(errors.ok()) << errors.status();
+  const auto outcome = Rewritten("G1 X50 Y0 F500\nX49.743 Y10 RND=0.5\nX49.208 Y20\n", Sinumerik(),
+                                 testing::MustCreate(machine, *errors, {0, 0, -testing::kToolMm}));
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  EXPECT_THAT(outcome.text, Not(HasSubstr("RND=")));
+}
+
+TEST(Corners, ARefusedCornerIsListedOnceOfItsBlock) {
+  const auto outcome = Rewritten("G1 X10 RND=20 F500\nY10\n", Sinumerik(), Askew());
+  EXPECT_FALSE(outcome.status.ok());
+  ASSERT_EQ(outcome.report.refused.size(), 2u);
+  EXPECT_EQ(outcome.report.refused[0].line + 1, outcome.report.refused[1].line);
 }
 
 TEST(Corners, OfContoursThatTheCutterIsLedAlong) {

@@ -14,6 +14,13 @@ char* WriteLong(uint64_t mantissa, int decimals, bool point, char* to) {
   return to;
 }
 
+std::string TicksText(Ticks ticks, Ticks unit, int least) {
+  const int decimals = ticks % GrainTicks(unit, least) == 0 ? least : kMaxDecimals;
+  std::string text;
+  AppendFixed(RoundToGrains(ticks, GrainTicks(unit, decimals)), decimals, false, true, &text);
+  return text;
+}
+
 double ValueOf(const Decimal& number) {
   return static_cast<double>(number.mantissa) * std::pow(10.0, -static_cast<double>(number.decimals));
 }

@@ -112,6 +112,9 @@ void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, Text* te
   text->append(buffer, static_cast<size_t>(WriteFixed(mantissa, decimals, plus, point, buffer) - buffer));
 }
 
+// A length or angle in fixed notation, of `least` decimals where these say it exactly, else of kMaxDecimals.
+std::string TicksText(Ticks ticks, Ticks unit, int least);
+
 }  // namespace axiscal::nc
 
 #endif  // AXISCAL_CORE_NC_DECIMAL_H_

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/demand.h"
+#include "core/nc/char_class.h"
 #include "core/nc/dialect.h"
 #include "core/nc/job_report.h"
 #include "core/nc/lexer.h"
@@ -15,19 +16,9 @@ namespace {
 
 using Mask = uint32_t;
 
-char CapitalOf(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
-
-bool IsBlank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view WithoutBlanks(std::string_view text) {
-  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 bool BeginsWith(std::string_view text, std::string_view capitals) {
   return text.size() >= capitals.size() &&
-         std::equal(capitals.begin(), capitals.end(), text.begin(), [](char a, char b) { return a == CapitalOf(b); });
+         std::equal(capitals.begin(), capitals.end(), text.begin(), [](char a, char b) { return a == Capital(b); });
 }
 
 // "0 BEGIN PGM A MM", "7 L X+10 R0 FMAX", "8 TOOL CALL 5 Z", with or without the block's number.
@@ -40,8 +31,8 @@ bool IsKlartext(std::string_view line) {
   }
   if (!BeginsWith(line, "L ") && !BeginsWith(line, "LN ")) return false;
   line = WithoutBlanks(line.substr(2));
-  if (!line.empty() && CapitalOf(line.front()) == 'I') line.remove_prefix(1);
-  return line.size() > 1 && std::string_view("XYZABCUVW").find(CapitalOf(line.front())) != std::string_view::npos &&
+  if (!line.empty() && Capital(line.front()) == 'I') line.remove_prefix(1);
+  return line.size() > 1 && std::string_view("XYZABCUVW").find(Capital(line.front())) != std::string_view::npos &&
          (line[1] == '+' || line[1] == '-');
 }
 
@@ -59,7 +50,7 @@ bool HasSign(std::string_view line, std::string_view sign) {
 // "o<drill> call [5]", "O100 sub".
 bool IsNamedStructure(std::string_view line) {
   line = WithoutBlanks(line);
-  if (line.size() < 2 || CapitalOf(line.front()) != 'O') return false;
+  if (line.size() < 2 || Capital(line.front()) != 'O') return false;
   line.remove_prefix(1);
   const size_t end = line.front() == '<' ? line.find('>') + 1 : line.find_first_not_of("0123456789");
   if (end == 0 || end == std::string_view::npos) return false;
@@ -67,7 +58,7 @@ bool IsNamedStructure(std::string_view line) {
   for (const char* const word : {"SUB", "ENDSUB", "CALL", "IF", "WHILE", "DO", "REPEAT", "RETURN"}) {
     const size_t size = std::string_view(word).size();
     const bool is_whole =
-        rest.size() == size || (rest.size() > size && !(CapitalOf(rest[size]) >= 'A' && CapitalOf(rest[size]) <= 'Z'));
+        rest.size() == size || (rest.size() > size && !(Capital(rest[size]) >= 'A' && Capital(rest[size]) <= 'Z'));
     if (BeginsWith(rest, word) && is_whole) return true;
   }
   return false;

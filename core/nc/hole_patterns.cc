@@ -19,21 +19,12 @@ constexpr char kPatternName[] = "HOLES";
 constexpr size_t kArguments = 6;
 constexpr int64_t kMostHoles = 10000;
 
-bool IsSpaceOrTab(char c) { return c == ' ' || c == '\t'; }
-bool IsNumeral(char c) { return c >= '0' && c <= '9'; }
-
-std::string_view WithoutBlanks(std::string_view text) {
-  while (!text.empty() && IsSpaceOrTab(text.front())) text.remove_prefix(1);
-  while (!text.empty() && IsSpaceOrTab(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 // "N50 HOLES1(0,0,30,5,10,4)": where the name begins behind the block's number; nullptr: something else stands there.
 const char* PatternNameIn(const char* text, const char* end) {
-  while (text < end && IsSpaceOrTab(*text)) ++text;
-  if (text < end && Capital(*text) == 'N' && text + 1 < end && IsNumeral(text[1])) {
-    for (++text; text < end && IsNumeral(*text);) ++text;
-    while (text < end && IsSpaceOrTab(*text)) ++text;
+  while (text < end && Class(*text) == kBlank) ++text;
+  if (text < end && Capital(*text) == 'N' && text + 1 < end && Class(text[1]) == kDigit) {
+    for (++text; text < end && Class(*text) == kDigit;) ++text;
+    while (text < end && Class(*text) == kBlank) ++text;
   }
   const size_t size = std::strlen(kPatternName);
   if (static_cast<size_t>(end - text) <= size) return nullptr;
@@ -57,14 +48,6 @@ std::optional<std::vector<std::string_view>> PatternArguments(std::string_view t
     if (end == rest.size()) return parts;
     rest.remove_prefix(end + 1);
   }
-}
-
-std::string PlaceNumber(Ticks ticks, int least) {
-  std::string text;
-  const bool is_short = ticks % GrainTicks(kTicksPerMm, least) == 0;
-  const int decimals = is_short ? least : kMaxDecimals;
-  AppendFixed(RoundToGrains(ticks, GrainTicks(kTicksPerMm, decimals)), decimals, false, true, &text);
-  return text;
 }
 
 // Why the cycle of MCALL cannot be followed at positions, or "".
@@ -153,7 +136,8 @@ HolePattern ReadHolePattern(const Interpreter& reader, const char* text, size_t 
     const bool is_first = pattern.lines.empty();
     std::string line = is_first ? std::string(text, name) : "";
     if (is_first && !is_rapid) line += "G0 ";
-    absl::StrAppend(&line, "X", PlaceNumber(place[0], decimals), " Y", PlaceNumber(place[1], decimals));
+    absl::StrAppend(&line, "X", TicksText(place[0], kTicksPerMm, decimals), " Y",
+                    TicksText(place[1], kTicksPerMm, decimals));
     if (is_first && !behind.empty()) absl::StrAppend(&line, " ", std::string(behind));
     pattern.lines.push_back(line + (line_end.empty() ? "\n" : line_end));
   }

@@ -353,7 +353,7 @@ void Rewriter::Impl::Move() {
     return Copy();
   }
   if (const std::string reason = step.is_at_corner ? WhyNoCorner() : ""; !reason.empty()) {
-    NotCorrected(reason, false);
+    if (now.line != refused_corner_line) NotCorrected(reason, false);
     if (MustReturn()) Return();
     return Copy();
   }

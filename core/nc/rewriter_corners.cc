@@ -17,6 +17,7 @@ void Rewriter::Impl::Read(const CornerLine& line) {
   }
   if (line.is_refused && is_null()) job.Passed(now, line.problem, false);
   if (line.is_refused && !is_null()) job.Refused(now, line.problem, false);
+  if (line.is_refused) refused_corner_line = line.number;
   if (!line.problem.empty()) line_problem = line.problem;
   const int64_t corrected = job.report().blocks_corrected;
   ReadOrExpand(false, line.is_changed);
@@ -82,7 +83,8 @@ bool Rewriter::Impl::MayStay(const Step& from, const Step& to, double reach_mm) 
     if (axis == interpreter.PlaneAxis(0) || axis == interpreter.PlaneAxis(1)) continue;
     const Ticks grain = GrainTicks(interpreter.ticks_per_unit(axis),
                                    interpreter.modal().is_inch ? options.decimals_inch : options.decimals_mm);
-    if (writer.NeedsWord(axis, first.targets[axis], grain) || !IsHeld(second.targets[axis], first.targets[axis], grain))
+    // Both beside what is commanded now, as it stays so; between them lies where a corner behind may end the second.
+    if (writer.NeedsWord(axis, first.targets[axis], grain) || writer.NeedsWord(axis, second.targets[axis], grain))
       return false;
   }
   return true;

@@ -99,6 +99,7 @@ struct Rewriter::Impl : CornerHost {
   Corners corners;
   // Why the corner at an end of the move that is read stays the control's, or the pattern of holes is not followed.
   std::string line_problem;
+  int64_t refused_corner_line = -1;  // the last line that is listed for its corner
 
   // From the first line on that calls a subprogram the lines wait for the end of the text, where they are run in the
   // order of the control.
