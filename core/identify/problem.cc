@@ -114,9 +114,19 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   });
   if (has_tool_offset && first.tip_mm != other.tip_mm)
     return differs("tool_tip_mm", text(first.tip_mm), text(other.tip_mm));
-  if (first.setup.size() != other.setup.size() && first.touches.features.size() == other.touches.features.size())
-    return refuse("how well the features are known, expected the same feature_sigma_um in both");
-  for (size_t k = 0; k < first.setup.size() && k < other.setup.size(); ++k) {
+  if (first.touches.centre_mm != other.touches.centre_mm ||
+      first.touches.stylus_radius_mm != other.touches.stylus_radius_mm)
+    return refuse("features and stylus, expected the same '# sphere', '# plane' and stylus_radius_mm in both");
+  if (first.setup.size() != other.setup.size()) {
+    const auto &more = first.setup.size() > other.setup.size() ? first.setup : other.setup,
+               &less = first.setup.size() > other.setup.size() ? other.setup : first.setup;
+    const auto lacking = std::find_if(more.begin(), more.end(), [&](const instruments::SetupParameter& one) {
+      return std::none_of(less.begin(), less.end(), [&](const auto& another) { return another.name == one.name; });
+    });
+    return refuse(absl::StrCat("the set-up offset ", lacking == more.end() ? more.back().name : lacking->name,
+                               ", expected the same header lines and columns in both"));
+  }
+  for (size_t k = 0; k < first.setup.size(); ++k) {
     const instruments::SetupParameter &a = first.setup[k], &b = other.setup[k];
     if (a.held.has_value() != b.held.has_value())
       return refuse(absl::StrCat("a certificate of ", a.name, ", expected '# certificate ", a.name, ": ...' in both"));
@@ -125,9 +135,6 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
     return differs(absl::StrCat(a.name, a.is_angle ? "_sigma_urad" : "_sigma_um"), absl::StrCat(a.prior_sigma * unit),
                    absl::StrCat(b.prior_sigma * unit));
   }
-  if (first.touches.centre_mm != other.touches.centre_mm ||
-      first.touches.stylus_radius_mm != other.touches.stylus_radius_mm)
-    return refuse("features and stylus, expected the same '# sphere', '# plane' and stylus_radius_mm in both");
   return absl::OkStatus();
 }
 

@@ -129,6 +129,26 @@ TEST(SharedSetup, OfTheFitIsKeptForASessionThatChecks) {
   EXPECT_LT(rms_um(On("another ball", later)), 0.1);
 }
 
+// One that states how well an artefact's faces are known has offsets that the other does not have.
+TEST(SharedSetup, SetUpsOfDifferentOffsetsAreRefused) {
+  instruments::MeasuringRun first, other;
+  first.session = "first";
+  other.session = "other";
+  first.setup_name = other.setup_name = "columns";
+  first.kind = other.kind = instruments::Kind::kTouch;
+  for (const char* const name : {"x", "y", "z", "a", "b", "c"}) {
+    first.setup.push_back({name, 1.0});
+    other.setup.push_back({name, 1.0});
+  }
+  EXPECT_TRUE(CheckSameSetup(first, other).ok());
+  other.setup.push_back({"feature_top", 1e-3});
+  for (const bool is_first : {true, false}) {
+    const absl::Status refused = is_first ? CheckSameSetup(first, other) : CheckSameSetup(other, first);
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("share the setup 'columns' but not the set-up offset "
+                                                          "feature_top"));
+  }
+}
+
 TEST(SharedSetup, HeadersThatContradictEachOtherAreRefused) {
   const Session front = On("ball", Rtest("front", 0, "{}", {0, 0, 0})),
                 back = On("ball", Rtest("back", 180, "{}", {0, 0, 0}));
