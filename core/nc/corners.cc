@@ -279,6 +279,8 @@ void Corners::Decide(CornerHost* host) {
   unit_ = from_.modal.is_inch ? kTicksPerInch : kTicksPerMm;
   bool has_none = false, is_refused = false;
   std::string problem = WhyNot(&has_none);
+  if (problem.empty() && !has_none && !host->Knows(from_.step))
+    problem = "it is not known where all axes stand, and nothing is corrected there";
   CornerPath path;
   if (problem.empty() && !has_none && size_ > 0) {
     const CornerMove from = MoveOf(from_.step), to = MoveOf(to_.step);

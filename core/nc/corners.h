@@ -40,6 +40,8 @@ class CornerHost {
   virtual const Interpreter& reader() const = 0;
   // Whether cutter compensation is in force and its first move is done.
   virtual bool IsOnContour() const = 0;
+  // Whether all axes that a correction depends on are known where the move begins: else it stays as the program has it.
+  virtual bool Knows(const Step& move) const = 0;
   // Whether the control may make the corner between the two moves, corrected, itself: `reach_mm` is by how much it
   // changes for each rad that the moves turn to each other, at most.
   virtual bool MayStay(const Step& from, const Step& to, double reach_mm) = 0;

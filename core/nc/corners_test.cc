@@ -162,6 +162,24 @@ TEST(Corners, ThatStayNeedNoWordOutOfThePlane) {
   EXPECT_THAT(outcome.text, Not(HasSubstr("RND=")));
 }
 
+// What is passed stays as the program has it: resolved it would be other blocks.
+TEST(Corners, StayWhereNothingIsCorrected) {
+  RewriteOptions unknown = Sinumerik(), turning = Sinumerik();
+  unknown.initial_position = {};
+  turning.orientation = true;
+  const std::pair<RewriteOptions, std::string> cases[] = {
+      {unknown, "G1 X0 Y0 F500\nX10 RND=2\nY10\n"},
+      {turning, "F500\nMCALL CYCLE81(50,0,2,-20)\nHOLES2(0,0,20,0,60,6)\nMCALL\n"}};
+  for (auto [options, program] : cases) {
+    options.on_unsupported = OnUnsupported::kPass;
+    RewriteReport report;
+    const auto text = RewriteText(program, Askew(), options, &report);
+    ASSERT_TRUE(text.ok()) << text.status();
+    EXPECT_EQ(*text, program);
+    EXPECT_EQ(report.blocks_corrected, 0);
+  }
+}
+
 TEST(Corners, ARefusedCornerIsListedOnceOfItsBlock) {
   const auto outcome = Rewritten("G1 X10 RND=20 F500\nY10\n", Sinumerik(), Askew());
   EXPECT_FALSE(outcome.status.ok());

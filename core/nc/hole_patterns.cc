@@ -54,6 +54,7 @@ std::optional<std::vector<std::string_view>> PatternArguments(std::string_view t
 std::string WhyNoPattern(const Interpreter& reader) {
   const Modal& modal = reader.modal();
   if (!modal.calls_at_moves) return "no MCALL of a cycle that is followed stands in front of it";
+  if (reader.options().orientation) return "with --orientation modal calls of cycles are not followed";
   if (modal.uncertain != 0 || modal.blockers != 0) return "modal codes in force are not known, or not followed";
   if (modal.plane_normal != 2) return "in another plane than XY";
   if (modal.is_inch) return "in inch: its arguments may be in the machine's unit";

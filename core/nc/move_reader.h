@@ -58,6 +58,7 @@ class MoveReader : private CornerHost {
   }
   const Interpreter& reader() const override { return interpreter_; }
   bool IsOnContour() const override { return true; }
+  bool Knows(const Step&) const override { return true; }
   bool MayStay(const Step&, const Step&, double) override { return false; }
   // The next block of those that waited, in the order of the control. False behind the last one.
   bool RunNext();

@@ -54,7 +54,7 @@ void Rewriter::Impl::ReadOrExpand(bool is_overlong, bool is_resolved) {
 
 bool Rewriter::Impl::MayStay(const Step& from, const Step& to, double reach_mm) {
   if (from.cutter_side != 0 || from.is_arc || to.is_arc || options.orientation || corrector().uses_sense() ||
-      from.tool_length != interpreter.coordinates().active_length() || from.start.known != all_axes)
+      from.tool_length != interpreter.coordinates().active_length())
     return false;
   Piece begin, first, second;
   if (!corrector().CorrectStart(from, WordGrain(), &begin).ok() ||

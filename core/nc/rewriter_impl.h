@@ -127,6 +127,7 @@ struct Rewriter::Impl : CornerHost {
   void Read(const CornerLine& line) override;
   const Interpreter& reader() const override { return interpreter; }
   bool IsOnContour() const override { return contour_state == ContourState::kOn; }
+  bool Knows(const Step& move) const override { return move.start.known == all_axes; }
   bool MayStay(const Step& from, const Step& to, double reach_mm) override;
   // The words of a line that is no line of the program: their decimals beyond the resolution are none of the program's.
   void ShortenWords();
