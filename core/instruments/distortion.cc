@@ -138,7 +138,8 @@ std::vector<double> SpectrumOf(const Distortion& distortion, int row_count) {
     for (size_t k = 2; k < spectrum.size(); ++k) spectrum[k] = k < 4 ? 1.0 / 16.0 : 1.0 / 256.0;
   } else if (distortion.kind == Distortion::kMotion) {  // slow before fast
     for (size_t k = 0; k < spectrum.size(); ++k) {
-      const double j = static_cast<double>(k / 3 + 1) / 2.0;
+      const size_t function = k / 3 + 1;
+      const double j = 0.5 * static_cast<double>(function);
       spectrum[k] = 1.0 / (1.0 + j * j);
     }
   } else if (distortion.kind == Distortion::kClock) {  // half of the delay

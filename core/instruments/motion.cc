@@ -60,7 +60,7 @@ void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* sta
     state.position = now.positions[axis];
     state.speed = is_first_ ? starts_[axis].speed : SpeedOf(change, elapsed_s);
     state.acceleration = 0.0;
-    if (!is_first_ && elapsed_s > kOneMomentS && to_next_s > kOneMomentS) {
+    if (!is_first_ && after.positions != nullptr && elapsed_s > kOneMomentS && to_next_s > kOneMomentS) {
       const double next_speed = (after.positions[axis] - now.positions[axis]) / to_next_s;
       state.acceleration = 2.0 * (next_speed - state.speed) / (elapsed_s + to_next_s);
       state.speed = (state.speed * to_next_s + next_speed * elapsed_s) / (elapsed_s + to_next_s);

@@ -1,5 +1,6 @@
 #include "core/loop/pictures.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>

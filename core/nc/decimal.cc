@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/demand.h"
+
 namespace axiscal::nc {
 
 char* WriteLong(uint64_t mantissa, int decimals, bool point, char* to) {
@@ -15,6 +17,7 @@ char* WriteLong(uint64_t mantissa, int decimals, bool point, char* to) {
 }
 
 std::string TicksText(Ticks ticks, Ticks unit, int least) {
+  DEMAND(least >= 0 && least <= kMaxDecimals);
   const int decimals = ticks % GrainTicks(unit, least) == 0 ? least : kMaxDecimals;
   std::string text;
   AppendFixed(RoundToGrains(ticks, GrainTicks(unit, decimals)), decimals, false, true, &text);

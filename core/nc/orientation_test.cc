@@ -98,12 +98,12 @@ TEST(Orientation, NoWordTurnsAnAxisTheLongWayRound) {
   EXPECT_THAT(refusal("G1 X1.\n", on(RollOver::kUnstated)), HasSubstr(unstated));
   EXPECT_THAT(refusal("G1 X1. B0.\n", on(RollOver::kUnstated)), HasSubstr("turns B across 0"));
   // Differences, positions far from 0, and axes that go on counting or the shorter way are as they were.
-  for (const auto& [program, machine_case] : std::vector<std::pair<std::string, Case>>{
-           {"G91 G1 X1.\n", on(RollOver::kBySign)},
-           {"G1 X1. B10.\nG1 X2.\n", on(RollOver::kUnstated)},
-           {"G1 X1. B0.\nG1 X2.\n", on(RollOver::kUnstated, 2.0)},
-           {"G1 X1. B0.\n", on(RollOver::kNone)},
-           {"G1 X1. B0.\n", on(RollOver::kShortest)}})
+  for (const auto& [program, machine_case] :
+       std::vector<std::pair<std::string, Case>>{{"G91 G1 X1.\n", on(RollOver::kBySign)},
+                                                 {"G1 X1. B10.\nG1 X2.\n", on(RollOver::kUnstated)},
+                                                 {"G1 X1. B0.\nG1 X2.\n", on(RollOver::kUnstated, 2.0)},
+                                                 {"G1 X1. B0.\n", on(RollOver::kNone)},
+                                                 {"G1 X1. B0.\n", on(RollOver::kShortest)}})
     EXPECT_TRUE(Rewritten(program, Turning(), machine_case.compensator()).status.ok()) << program;
   // Nor does the way back in front of what is passed.
   RewriteOptions passing = Turning();
@@ -226,7 +226,7 @@ TEST(Orientation, IncrementalRotaryWordsDoNotCollectRounding) {
 TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
-  for (machine::Machine machine :
+  for (const machine::Machine& machine :
        {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()),
         testing::CountingOn(machine::testing::SwivelHead())}) {
     Case machine_case;

@@ -257,7 +257,8 @@ std::string PolarChart(const std::string& title, const std::string& unit, const 
   }
   if (!panels.empty()) {
     for (size_t s = 0; s < panels[0].series.size(); ++s) {
-      const double x = 20.0 + 260.0 * static_cast<double>(s % 3), y = height - 28.0 + 16.0 * static_cast<double>(s / 3);
+      const size_t column = s % 3, row = s / 3;
+      const double x = 20.0 + 260.0 * static_cast<double>(column), y = height - 28.0 + 16.0 * static_cast<double>(row);
       svg.Line({x, y}, {x + 20.0, y}, ColorOf(s), 2.0);
       svg.Text({x + 26.0, y + 4.0}, panels[0].series[s].name);
     }

@@ -204,10 +204,9 @@ TEST(TouchGates, RepeatsAreFoundAmongManyPlaces) {
     session.columns.push_back({name, {}, {}});
   constexpr int kPlaces = 900;
   for (int k = 0; k < 3 * kPlaces; ++k) {
-    const int place = k % kPlaces;
-    const double aside_mm = 0.003 * (k / kPlaces - 1);
-    const double values[] = {1.0 * k, 2.0 * (place % 30) + aside_mm, 2.0 * (place / 30) - aside_mm, 3.0, 0, 0, 0, 0,
-                             -1};
+    const int place = k % kPlaces, repeat = k / kPlaces, column = place % 30, row = place / 30;
+    const double aside_mm = 0.003 * (repeat - 1);
+    const double values[] = {1.0 * k, 2.0 * column + aside_mm, 2.0 * row - aside_mm, 3.0, 0, 0, 0, 0, -1};
     for (int i = 0; i < 9; ++i) session.columns[i].values.push_back(values[i]);
     session.columns[9].texts.push_back("top");
   }
