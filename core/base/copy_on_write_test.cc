@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+#include <utility>
 #include <vector>
 
 namespace axiscal::base {
@@ -26,6 +28,33 @@ TEST(CopyOnWrite, IsEmptyUntilItIsChanged) {
   one.Own().push_back(1);
   EXPECT_TRUE(CopyOnWrite<std::vector<int>>()->empty());
   EXPECT_EQ(one->size(), 1u);
+}
+
+TEST(CopyOnWrite, IsMovedAndAssignedAsAPlainValue) {
+  CopyOnWrite<std::vector<int>> one(std::vector<int>{1, 2});
+  CopyOnWrite<std::vector<int>> other = std::move(one);
+  one = other;
+  one = *&one;
+  EXPECT_EQ(&*one, &*other);
+  other = {};
+  EXPECT_TRUE(other->empty());
+  EXPECT_EQ(*one, (std::vector<int>{1, 2}));
+}
+
+// For ThreadSanitizer too: who changes the value after the last other gave it up does so after that one's reads.
+TEST(CopyOnWrite, ThreadsHaveCopiesOfTheirOwn) {
+  for (int round = 0; round < 200; ++round) {
+    CopyOnWrite<std::vector<int>> one(std::vector<int>(100, 1));
+    int sum = 0;
+    std::thread reader([&sum, copy = one]() mutable {
+      for (const int value : *copy) sum += value;
+      copy = {};
+    });
+    one.Own()[0] = round;
+    reader.join();
+    EXPECT_EQ(sum, 100);
+    EXPECT_EQ(one->front(), round);
+  }
 }
 
 }  // namespace
