@@ -456,7 +456,10 @@ std::vector<PlannedSession> TrackerReferences(const Situation& situation) {
   }
   // On the bed, around the work space: nearer they would be in its way, farther they would show turns no better than
   // the air lets the tracker read.
-  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm), size_mm = high_mm - low_mm;
+  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm);
+  // Along an axis of the table the tool stands still to the bed, and the targets would stand under it.
+  const Eigen::Vector3d moved_mm = high_mm - low_mm;
+  const Eigen::Vector3d size_mm = moved_mm.cwiseMax(0.5 * moved_mm.maxCoeff());
   const Eigen::Vector3d corners[] = {{-1, -0.8, -0.6}, {1, -0.9, -0.4}, {0.1, 1, 0.7}};
   std::vector<session::HeaderEntry> keys;
   for (size_t i = 0; i < std::size(corners); ++i) {

@@ -36,6 +36,12 @@ std::vector<PlannedSession> PlannedBy(const machine::Machine& machine, const std
   return FindTest(test)->plan(SituationOfMachine(machine, mounted));
 }
 
+Eigen::Vector3d PointOf(const std::string& text) {
+  Eigen::Vector3d point;
+  std::istringstream(text) >> point.x() >> point.y() >> point.z();
+  return point;
+}
+
 struct Counted {
   int held = 0, all = 0, within_three = 0;
 };
@@ -126,6 +132,15 @@ TEST(LengthTests, ATrackerThatMovesTellsScales) {
       {"symbol": "EZZ", "shape": "linear", "variable": "Z", "amplitude": 200}]})");
 }
 
+// Y moves the table: to the bed the tool never leaves y = 0, and targets there would stand in its way.
+TEST(LengthTests, ReferencesStandBesideTheToolWhereTheTableMoves) {
+  const machine::Machine machine = WithTravel();
+  const std::vector<PlannedSession> planned = PlannedBy(machine, "tracker-references");
+  ASSERT_EQ(planned.size(), 1u);
+  for (const char* const name : {"reference R1", "reference R2", "reference R3"})
+    EXPECT_GT(std::abs(PointOf(*session::FindHeader(planned[0].session, name)).y()), 150.0) << name;
+}
+
 // The targets' ends are nine tenths of the travel apart; L grows as the axis rises, whatever branch it stands on.
 TEST(LengthTests, LinesGoOverTheTravelBothWays) {
   const machine::Machine machine = WithTravel();
@@ -160,12 +175,6 @@ double LeastDistance(const Eigen::Vector3d& a_mm, const Eigen::Vector3d& b_mm, c
     }
   }
   return least_mm;
-}
-
-Eigen::Vector3d PointOf(const std::string& text) {
-  Eigen::Vector3d point;
-  std::istringstream(text) >> point.x() >> point.y() >> point.z();
-  return point;
 }
 
 // Its upper arm goes from (0, 0, -1110) to (0, 0, -660) at home and turns with the joints 1 and 2.
