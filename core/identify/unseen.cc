@@ -51,7 +51,36 @@ std::vector<MovedPoint> MovedAlong(const SolvedProblem& solved, const Eigen::Mat
   return out;
 }
 
-// Takes the rows of a run (VisitRows) and sums J' D: column K i + k of D is d(J n_k)/ds_i, column K s + k is J n_k.
+struct Sums {
+  Eigen::MatrixXd gram, by_change;  // J' J, J' D
+
+  Sums(Eigen::Index rows, Eigen::Index columns)
+      : gram(Eigen::MatrixXd::Zero(rows, rows)), by_change(Eigen::MatrixXd::Zero(rows, columns)) {}
+  void operator+=(const Sums& other) {
+    gram += other.gram;
+    by_change += other.by_change;
+  }
+  void operator*=(double factor) {
+    gram *= factor;
+    by_change *= factor;
+  }
+};
+
+// J' D of all readings, by those of a sample and by J' J of all (`gram`). Most of D is like an offset or an error, D =
+// J c + R: offsets and errors take that up, and what they do not is small beside it. In J' D of a sample the part J c
+// is off by the sample's scatter, many times R, so that it is taken by J' J of all and R alone by the sample (control
+// variate: c need not be exact). What the sample shows by less than a thousandth of what all show is left out of c.
+Eigen::MatrixXd ByChangeOfAll(const Sums& sample, const Eigen::MatrixXd& gram) {
+  constexpr double kLeastShare = 1e-3, kRidge = 1e-12;
+  const Eigen::VectorXd scale =
+      gram.diagonal().unaryExpr([](double own) { return own > 0.0 ? 1.0 / std::sqrt(own) : 0.0; });
+  Eigen::MatrixXd block = scale.asDiagonal() * (sample.gram + kLeastShare * gram) * scale.asDiagonal();
+  block.diagonal().array() += kRidge;
+  const Eigen::MatrixXd like = scale.asDiagonal() * block.ldlt().solve(scale.asDiagonal() * sample.by_change);
+  return sample.by_change + (gram - sample.gram) * like;
+}
+
+// Takes the rows of a run (VisitRows) and sums J' J and J' D: column K i + k of D is d(J n_k)/ds_i.
 // d(J n_k)/ds_i is also how far the derivative by s_i moves with the errors along n_k: one evaluation for all offsets.
 class ProductSink {
  public:
@@ -65,10 +94,10 @@ class ProductSink {
         moved_(moved),
         is_unknown_(is_unknown),
         sample_(sample),
-        row_(setup_.size() + directions.cols() + 1 + (setup_.size() + 1) * directions.rows()),
+        row_(setup_.size() + directions.cols() + 1 + setup_.size() * directions.rows()),
         whiteners_(Run().row_count, SeriesWhitener(solved.problem.noise[run], row_.size())),
         by_setup_(moved.size()),
-        sum_(Eigen::MatrixXd::Zero(setup_.size() + directions.cols(), (setup_.size() + 1) * directions.rows())) {
+        sums_(setup_.size() + directions.cols(), setup_.size() * directions.rows()) {
     errors_of_run_.reserve(moved.size());
     for (const MovedPoint& one : moved) errors_of_run_.emplace_back(problem_, one.point);
   }
@@ -84,18 +113,21 @@ class ProductSink {
       for (Eigen::Index i = 0; i < s; ++i)
         row[s + p + 1 + i * k + z] = is_unknown_[i] * (by_setup_[n](r, i) - row[i]) / moved_[n].size;
     }
-    row.tail(k) = row.segment(s, p) * directions_.transpose();
     whiteners_[static_cast<size_t>(r)].Apply(reading, row);
     if (sample_.IsFirstOfStretch(reading)) return;
-    sum_.noalias() += row.head(s + p).transpose() * row.tail((s + 1) * k);
+    sums_.gram.selfadjointView<Eigen::Lower>().rankUpdate(row.head(s + p).transpose());
+    sums_.by_change.noalias() += row.head(s + p).transpose() * row.tail(s * k);
     ++summed_;
   }
 
-  // J' D of all used rows of the run, from those that were taken.
-  Eigen::MatrixXd Sum() const {
+  // Of all used rows of the run, from those that were taken.
+  Sums Scaled() const {
     const std::vector<bool>& is_used = problem_.is_used[run_];
     const auto used = static_cast<double>(std::count(is_used.begin(), is_used.end(), true));
-    return summed_ == 0 ? sum_ : used / static_cast<double>(summed_) * sum_;
+    Sums scaled = sums_;
+    scaled.gram.triangularView<Eigen::StrictlyUpper>() = scaled.gram.transpose();
+    if (summed_ > 0) scaled *= used / static_cast<double>(summed_);
+    return scaled;
   }
 
  private:
@@ -132,7 +164,7 @@ class ProductSink {
   Eigen::RowVectorXd row_;
   std::vector<SeriesWhitener> whiteners_;
   std::vector<Eigen::MatrixXd> by_setup_;  // per direction, of the reading that was evaluated last
-  Eigen::MatrixXd sum_;
+  Sums sums_;
   std::int64_t summed_ = 0;
   instruments::Evaluation evaluation_;
   int evaluated_ = -1;
@@ -159,13 +191,16 @@ Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& 
     Eigen::RowVectorXd is_unknown = (covariance.setup_sigma[g].array() > 0.0).cast<double>().transpose();
     const Eigen::Index own = instruments::OwnSetupCount(problem.runs[problem.groups[g].runs[0]]);
     is_unknown.tail(s - own).setZero();
-    by_change.push_back(Eigen::MatrixXd::Zero(s + p, (s + 1) * k));
+    const Eigen::MatrixXd gram = solved.solution.normal.groups[g].gram.topLeftCorner(s + p, s + p);
+    Sums sums(s + p, s * k);
     for (const int run : problem.groups[g].runs) {
       const ReadingSample sample = SampleOf(problem.runs[run], stretches);
       ProductSink sink(solved, run, directions, moved, is_unknown, sample);
       VisitRows(problem, run, solved.solution.point, solved.parameters, &sink, sample);
-      by_change.back() += sink.Sum();
+      sums += sink.Scaled();
     }
+    by_change.emplace_back(s + p, (s + 1) * k);
+    by_change.back() << ByChangeOfAll(sums, gram), gram.rightCols(p) * directions.transpose();
   }
   const std::vector<Eigen::MatrixXd> moves =
       StepsOf(problem, solved.solution.point, solved.solution.normal, solved.held, by_change);

@@ -1,6 +1,7 @@
 // Tests of one axis that moves alone, by lengths and directions, and of the work space by distances from anchors and by
 // places in a tracker's frame.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/units.h"
@@ -200,8 +201,185 @@ std::vector<PlannedSession> DirectionTurns(const Situation& situation) {
   return planned;
 }
 
+namespace {
+
+// An arm moves its tool by rotary axes alone.
+bool IsArm(const Machine& machine) {
+  constexpr size_t kFewestJoints = 3;
+  const auto is_rotary = [&](const machine::Axis& axis) { return axis.kind == AxisKind::kRotary; };
+  return machine.work_branch.empty() && machine.tool_branch.size() >= kFewestJoints &&
+         std::all_of(machine.axes.begin(), machine.axes.end(), is_rotary);
+}
+
+struct Segment {
+  Eigen::Vector3d from_mm, to_mm;
+};
+
+// The least distance between two segments (Ericson, Real-Time Collision Detection, 5.1.9).
+double DistanceOf(const Segment& a, const Segment& b) {
+  constexpr double kPointMm2 = 1e-12;
+  const Eigen::Vector3d along_a = a.to_mm - a.from_mm, along_b = b.to_mm - b.from_mm, between = a.from_mm - b.from_mm;
+  const double aa = along_a.squaredNorm(), bb = along_b.squaredNorm(), ab = along_a.dot(along_b);
+  const double ca = along_a.dot(between), cb = along_b.dot(between);
+  const double determinant = aa * bb - ab * ab;
+  double s = determinant > kPointMm2 * aa * bb ? std::clamp((ab * cb - ca * bb) / determinant, 0.0, 1.0) : 0.0;
+  const double t = bb > kPointMm2 ? std::clamp((ab * s + cb) / bb, 0.0, 1.0) : 0.0;
+  s = aa > kPointMm2 ? std::clamp((ab * t - ca) / aa, 0.0, 1.0) : 0.0;
+  return (between + s * along_a - t * along_b).norm();
+}
+
+// What the nominal chain tells of an arm's body, its axes at home: from each axis to the next by the shortest way
+// between the two, and along each axis from where one way ends to where the next begins.
+class Skeleton {
+ public:
+  Skeleton(const Machine& machine, const Eigen::Vector3d& tip_mm) : machine_(machine) {
+    const std::vector<int>& joints = machine.tool_branch;
+    AddVertex(0, machine.axes[joints[0]].point_mm);
+    for (size_t k = 0; k + 1 < joints.size(); ++k) {
+      const machine::Axis &one = machine.axes[joints[k]], &next = machine.axes[joints[k + 1]];
+      const Eigen::Vector3d between = next.point_mm - one.point_mm;
+      const double cosine = one.direction.dot(next.direction), sine2 = 1.0 - cosine * cosine;
+      constexpr double kParallel = 1e-9;
+      const double along_one = one.direction.dot(between), along_next = next.direction.dot(between);
+      // Axes side by side: from where the arm got to on this one.
+      const Eigen::Vector3d foot_mm = sine2 < kParallel
+                                          ? vertices_.back().home_mm
+                                          : one.point_mm + (along_one - cosine * along_next) / sine2 * one.direction;
+      AddVertex(k, foot_mm);
+      AddVertex(k + 1, next.point_mm + next.direction.dot(foot_mm - next.point_mm) * next.direction);
+    }
+    AddVertex(joints.size(), tip_mm);
+  }
+
+  // At a pose, from the base to the tool point.
+  std::vector<Segment> At(const std::vector<double>& pose) const {
+    std::vector<Segment> segments;
+    Eigen::Vector3d last_mm = Place(vertices_[0], pose);
+    for (size_t k = 1; k < vertices_.size(); ++k) {
+      const Eigen::Vector3d place_mm = Place(vertices_[k], pose);
+      constexpr double kNothingMm = 1e-6;
+      if ((place_mm - last_mm).norm() > kNothingMm) segments.push_back({last_mm, place_mm});
+      last_mm = place_mm;
+    }
+    return segments;
+  }
+
+ private:
+  struct Vertex {
+    size_t joint;  // of the tool branch: moved by the joints before it
+    Eigen::Vector3d home_mm;
+  };
+
+  void AddVertex(size_t joint, const Eigen::Vector3d& home_mm) { vertices_.push_back({joint, home_mm}); }
+
+  Eigen::Vector3d Place(const Vertex& vertex, std::vector<double> pose) const {
+    for (size_t k = vertex.joint; k < machine_.tool_branch.size(); ++k) pose[machine_.tool_branch[k]] = 0.0;
+    const auto chain = machine::EvaluateChain<double>(machine_, pose.data(), machine::JointErrors<double>());
+    return chain.bed_from_tool * vertex.home_mm;
+  }
+
+  const Machine& machine_;
+  std::vector<Vertex> vertices_;
+};
+
+// A wire from the anchor to the tool point leaves the body of the arm by a hand's breadth and the last piece of it, on
+// which it is hooked, by an angle.
+bool IsFree(const std::vector<Segment>& arm, const Eigen::Vector3d& anchor_mm) {
+  constexpr double kFreeMm = 100.0, kShortestMm = 200.0, kSteepest = 0.7;  // cosine, 45 degrees
+  const Eigen::Vector3d tip_mm = arm.back().to_mm, way_mm = anchor_mm - tip_mm;
+  if (way_mm.norm() < kShortestMm) return false;
+  if (way_mm.normalized().dot((arm.back().from_mm - tip_mm).normalized()) > kSteepest) return false;
+  for (size_t k = 0; k + 1 < arm.size(); ++k) {
+    if (DistanceOf(arm[k], {anchor_mm, tip_mm}) < kFreeMm) return false;
+  }
+  return true;
+}
+
+struct Box {
+  Eigen::Vector3d low_mm = Eigen::Vector3d::Constant(INFINITY), high_mm = Eigen::Vector3d::Constant(-INFINITY);
+
+  void Add(const Eigen::Vector3d& point_mm) {
+    low_mm = low_mm.cwiseMin(point_mm);
+    high_mm = high_mm.cwiseMax(point_mm);
+  }
+  Eigen::Vector3d At(const Eigen::Vector3d& corner) const {
+    return 0.5 * (low_mm + high_mm) + (high_mm - low_mm).cwiseProduct(corner);
+  }
+};
+
+// All joints at once, spread evenly over what each may do: multiples of the powers of the root of x^(n + 1) = x + 1,
+// modulo 1 (the golden section in n dimensions).
+std::vector<double> SpreadPose(const Situation& situation, int number) {
+  const Machine& machine = *situation.machine;
+  double root = 2.0;
+  constexpr int kIterations = 30;
+  for (int i = 0; i < kIterations; ++i) root = std::pow(1.0 + root, 1.0 / (machine.axis_count() + 1));
+  std::vector<double> pose = RestOf(situation);
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const Range way = WayOf(situation, axis);
+    const double multiple = 0.5 + (number + 1) * std::pow(root, -(axis + 1));
+    pose[axis] = way.lowest + (way.highest - way.lowest) * (multiple - std::floor(multiple));
+  }
+  return pose;
+}
+
+// Three anchors beside the arm's work space and poses at which each sees the tool freely.
+std::vector<PlannedSession> ArmDistances(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  constexpr int kTried = 2000;
+  constexpr size_t kPoses = 60, kFewestPoses = 30;
+  const Eigen::Vector3d& tip_mm = situation.tips_mm.front();
+  const auto turns = [&](int axis) { return situation.Turns(axis); };
+  if (std::none_of(machine.tool_branch.begin(), machine.tool_branch.end(), turns)) return {};
+  const Skeleton skeleton(machine, tip_mm);
+  Box box;
+  std::vector<std::vector<double>> tried;
+  std::vector<std::vector<Segment>> arms;
+  for (int k = 0; k < kTried; ++k) {
+    tried.push_back(SpreadPose(situation, k));
+    arms.push_back(skeleton.At(tried.back()));
+    box.Add(arms.back().back().to_mm);
+  }
+  // Just outside of the space: farther away all lengths change alike.
+  const Eigen::Vector3d anchors_mm[] = {box.At({-0.6, -0.5, -0.4}), box.At({0.6, -0.55, -0.25}),
+                                        box.At({0.1, 0.6, -0.4})};
+  std::vector<std::vector<double>> poses;
+  std::vector<Eigen::Vector3d> tips_mm;
+  for (int k = 0; k < kTried && poses.size() < kPoses; ++k) {
+    const auto is_free = [&](const Eigen::Vector3d& anchor_mm) { return IsFree(arms[k], anchor_mm); };
+    if (!std::all_of(std::begin(anchors_mm), std::end(anchors_mm), is_free)) continue;
+    poses.push_back(tried[k]);
+    tips_mm.push_back(arms[k].back().to_mm);
+  }
+  if (poses.size() < kFewestPoses) return {};
+  constexpr double kSigmaUm = 20.0;  // of a draw wire
+  std::vector<PlannedSession> planned;
+  for (const Eigen::Vector3d& anchor_mm : anchors_mm) {
+    double shortest_mm = INFINITY, longest_mm = 0.0;
+    for (const Eigen::Vector3d& place_mm : tips_mm) {
+      shortest_mm = std::min(shortest_mm, (place_mm - anchor_mm).norm());
+      longest_mm = std::max(longest_mm, (place_mm - anchor_mm).norm());
+    }
+    const std::string number = absl::StrCat(planned.size() + 1);
+    session::Session session =
+        SessionOf(situation, "wire-" + number, "length", kSigmaUm,
+                  {{"anchor_mm", absl::StrFormat("%.1f %.1f %.1f", anchor_mm.x(), anchor_mm.y(), anchor_mm.z())},
+                   {"anchor_on", "bed"},
+                   {"scale_sigma_um", "100"}});
+    for (const std::vector<double>& pose : poses) AddRow(situation, pose, &session);
+    planned.push_back({std::move(session),
+                       absl::StrFormat("draw wire from anchor %s to the tool at %u poses of the arm, lengths of %.0f "
+                                       "to %.0f mm",
+                                       number, poses.size(), shortest_mm, longest_mm)});
+  }
+  return planned;
+}
+
+}  // namespace
+
 std::vector<PlannedSession> DistanceGrids(const Situation& situation) {
   const Machine& machine = *situation.machine;
+  if (IsArm(machine)) return ArmDistances(situation);
   const std::vector<std::vector<double>> poses = LinearGrid(situation);
   if (poses.empty()) return {};
   Eigen::Vector3d low_mm = Eigen::Vector3d::Constant(INFINITY), high_mm = -low_mm;
@@ -278,7 +456,10 @@ std::vector<PlannedSession> TrackerReferences(const Situation& situation) {
   }
   // On the bed, around the work space: nearer they would be in its way, farther they would show turns no better than
   // the air lets the tracker read.
-  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm), size_mm = high_mm - low_mm;
+  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm);
+  // Along an axis of the table the tool stands still to the bed, and the targets would stand under it.
+  const Eigen::Vector3d moved_mm = high_mm - low_mm;
+  const Eigen::Vector3d size_mm = moved_mm.cwiseMax(0.5 * moved_mm.maxCoeff());
   const Eigen::Vector3d corners[] = {{-1, -0.8, -0.6}, {1, -0.9, -0.4}, {0.1, 1, 0.7}};
   std::vector<session::HeaderEntry> keys;
   for (size_t i = 0; i < std::size(corners); ++i) {

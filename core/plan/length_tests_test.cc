@@ -2,12 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <sstream>
 
+#include "core/base/units.h"
 #include "core/identify/identify.h"
+#include "core/machine/chain.h"
 #include "core/machine/error_json.h"
 #include "core/machine/testing/machines.h"
 #include "core/plan/test.h"
+#include "core/plan/testing/situations.h"
 #include "core/synthetic/simulate.h"
 
 namespace axiscal::plan {
@@ -29,6 +34,12 @@ std::vector<PlannedSession> PlannedBy(const machine::Machine& machine, const std
   Mounted mounted;
   mounted.tips_mm = {{0, 0, -150}};
   return FindTest(test)->plan(SituationOfMachine(machine, mounted));
+}
+
+Eigen::Vector3d PointOf(const std::string& text) {
+  Eigen::Vector3d point;
+  std::istringstream(text) >> point.x() >> point.y() >> point.z();
+  return point;
 }
 
 struct Counted {
@@ -121,6 +132,15 @@ TEST(LengthTests, ATrackerThatMovesTellsScales) {
       {"symbol": "EZZ", "shape": "linear", "variable": "Z", "amplitude": 200}]})");
 }
 
+// Y moves the table: to the bed the tool never leaves y = 0, and targets there would stand in its way.
+TEST(LengthTests, ReferencesStandBesideTheToolWhereTheTableMoves) {
+  const machine::Machine machine = WithTravel();
+  const std::vector<PlannedSession> planned = PlannedBy(machine, "tracker-references");
+  ASSERT_EQ(planned.size(), 1u);
+  for (const char* const name : {"reference R1", "reference R2", "reference R3"})
+    EXPECT_GT(std::abs(PointOf(*session::FindHeader(planned[0].session, name)).y()), 150.0) << name;
+}
+
 // The targets' ends are nine tenths of the travel apart; L grows as the axis rises, whatever branch it stands on.
 TEST(LengthTests, LinesGoOverTheTravelBothWays) {
   const machine::Machine machine = WithTravel();
@@ -142,6 +162,74 @@ TEST(LengthTests, LinesGoOverTheTravelBothWays) {
     const std::vector<double>& read_mm = session::FindColumn(*session, "L_mm")->values;
     EXPECT_NEAR(read_mm[10] - read_mm[0], 450.0, 1e-9) << one.text;
   }
+}
+
+double LeastDistance(const Eigen::Vector3d& a_mm, const Eigen::Vector3d& b_mm, const Eigen::Vector3d& c_mm,
+                     const Eigen::Vector3d& d_mm) {
+  constexpr int kPoints = 100;
+  double least_mm = INFINITY;
+  for (int i = 0; i <= kPoints; ++i) {
+    for (int k = 0; k <= kPoints; ++k) {
+      const double s = i / double{kPoints}, t = k / double{kPoints};
+      least_mm = std::min(least_mm, ((1 - s) * a_mm + s * b_mm - (1 - t) * c_mm - t * d_mm).norm());
+    }
+  }
+  return least_mm;
+}
+
+// Its upper arm goes from (0, 0, -1110) to (0, 0, -660) at home and turns with the joints 1 and 2.
+TEST(LengthTests, WiresToAnArmStayClearOfIt) {
+  const machine::Machine machine = testing::Arm();
+  const Situation situation = testing::NeverMeasured(machine);
+  const std::vector<PlannedSession> planned = FindTest("distance-grid")->plan(situation);
+  ASSERT_EQ(planned.size(), 3u);
+  const Eigen::Vector3d tip_mm = situation.tips_mm.front();
+  for (const PlannedSession& one : planned) {
+    const Eigen::Vector3d anchor_mm = PointOf(*session::FindHeader(one.session, "anchor_mm"));
+    EXPECT_EQ(session::FindHeader(one.session, "anchor_on"), "bed");
+    ASSERT_EQ(one.session.reading_count(), 60);
+    double shortest_mm = INFINITY, longest_mm = 0.0;
+    for (int k = 0; k < 60; ++k) {
+      std::vector<double> positions;
+      for (const machine::Axis& axis : machine.axes) {
+        const double deg = session::FindColumn(one.session, axis.name + "_deg")->values[static_cast<size_t>(k)];
+        EXPECT_LE(std::abs(deg), 90.0) << axis.name;
+        positions.push_back(deg * base::kRadPerDeg);
+      }
+      const auto chain = machine::EvaluateChain<double>(machine, positions.data(), machine::JointErrors<double>());
+      const Eigen::Vector3d target_mm = chain.bed_from_tool * tip_mm;
+      const Eigen::Vector3d base_mm(0, 0, -1510), shoulder_mm(0, 0, -1110);
+      const Eigen::Vector3d elbow_mm =
+          shoulder_mm + Eigen::AngleAxisd(positions[0], Eigen::Vector3d::UnitZ()) *
+                            (Eigen::AngleAxisd(positions[1], -Eigen::Vector3d::UnitY()) * Eigen::Vector3d(0, 0, 450));
+      EXPECT_GE(LeastDistance(shoulder_mm, elbow_mm, anchor_mm, target_mm), 99.9) << one.text << " pose " << k;
+      EXPECT_GE(LeastDistance(base_mm, shoulder_mm, anchor_mm, target_mm), 99.9) << one.text << " pose " << k;
+      shortest_mm = std::min(shortest_mm, (target_mm - anchor_mm).norm());
+      longest_mm = std::max(longest_mm, (target_mm - anchor_mm).norm());
+    }
+    EXPECT_GE(shortest_mm, 200.0);
+    EXPECT_THAT(one.text, HasSubstr(absl::StrFormat("lengths of %.0f to %.0f mm", shortest_mm, longest_mm)));
+  }
+}
+
+TEST(LengthTests, WiresTellAnArmsErrors) {
+  const machine::Machine machine = testing::Arm();
+  const std::vector<PlannedSession> planned = FindTest("distance-grid")->plan(testing::NeverMeasured(machine));
+  Counted counted;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    AddFit(machine, planned, R"({"EX0J3": 120, "EA0J3": -90, "EC0J4": 60, "terms": [
+        {"symbol": "EBJ2", "shape": "backlash", "variable": "J2", "amplitude": 80}]})",
+           seed, &counted);
+    if (HasFatalFailure()) return;
+  }
+  ExpectHonest(counted);
+}
+
+// Where its joints have no room there are no poses.
+TEST(LengthTests, AnArmThatCannotMoveHasNoWires) {
+  machine::Machine machine = testing::Arm();
+  for (machine::Axis& axis : machine.axes) axis.min_position = axis.max_position = 0.0;
+  EXPECT_TRUE(FindTest("distance-grid")->plan(testing::NeverMeasured(machine)).empty());
 }
 
 }  // namespace

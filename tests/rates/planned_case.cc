@@ -65,7 +65,9 @@ std::vector<PlannedCase> PlannedCases(const std::string& name) {
   const plan::Test* const test = plan::FindTest(name);
   DEMAND(test != nullptr);
   std::vector<PlannedCase> cases;
-  for (const Machine& machine : plan::testing::Machines()) {
+  std::vector<Machine> machines = plan::testing::Machines();
+  machines.push_back(plan::testing::Arm());
+  for (const Machine& machine : machines) {
     const Machine with_travel = WithTravel(machine);
     std::vector<instruments::MeasuringRun> runs;
     std::set<std::string> known;

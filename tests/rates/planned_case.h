@@ -20,8 +20,8 @@ struct PlannedCase {
   std::vector<session::Session> sessions;  // without readings
 };
 
-// Of three structures of machines, never measured before, without a stated travel and with one, and measured before.
-// Empty where no machine here runs the test: the caller's list of names (plan::TestNames) says which that is.
+// Of three structures of machines and an arm, never measured before, without a stated travel and with one, and measured
+// before. Empty where no machine here runs the test: the caller's list of names (plan::TestNames) says which that is.
 std::vector<PlannedCase> PlannedCases(const std::string& test);
 
 struct PlannedFit {

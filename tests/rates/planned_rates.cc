@@ -38,11 +38,11 @@ int main(int argc, char** argv) {
   std::vector<std::string> tests = axiscal::plan::TestNames();
   std::erase_if(tests, [&](const std::string& test) { return !is_asked(test); });
   std::printf(
-      "## Coverage of intervals\n\nEvery test that `axiscal plan` knows, on three structures of machines: errors, "
-      "set-ups and noise are drawn, what the sessions read goes through a log and `reduce`, `identify` fits the same "
-      "terms.\nOf intervals at 95 %% so many hold the truth; every number that a fit tells is counted, errors and "
-      "combinations (tests/rates/planned_case.h). Eccentricities that are typed off charts and the tool setter's own "
-      "plans stand below the others (tests/rates/further_case.h).\n\n"
+      "## Coverage of intervals\n\nEvery test that `axiscal plan` knows, on three structures of machines and an arm: "
+      "errors, set-ups and noise are drawn, what the sessions read goes through a log and `reduce`, `identify` fits "
+      "the same terms.\nOf intervals at 95 %% so many hold the truth; every number that a fit tells is counted, errors "
+      "and combinations (tests/rates/planned_case.h). Eccentricities that are typed off charts and the tool setter's "
+      "own plans stand below the others (tests/rates/further_case.h).\n\n"
       "| test | instrument | numbers | hold the truth, %% | within 3 sigma, %% | deviation, rms of sigma |\n"
       "|---|---|---|---|---|---|\n");
   std::string refused;

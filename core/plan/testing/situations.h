@@ -17,6 +17,19 @@ inline std::vector<machine::Machine> Machines() {
   return {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()};
 }
 
+// Six joints, upright at home with the tool of NeverMeasured in its hand; it declares errors that lengths from places
+// beside it tell.
+inline machine::Machine Arm() {
+  using machine::testing::kY;
+  using machine::testing::kZ;
+  using machine::testing::Rotary;
+  return machine::testing::Make(
+      "arm",
+      {Rotary("J1", kZ, {0, 0, -1510}), Rotary("J2", -kY, {0, 0, -1110}), Rotary("J3", -kY, {0, 0, -660}),
+       Rotary("J4", -kY, {100, 0, -310}), Rotary("J5", kZ, {100, 120, -310}), Rotary("J6", -kY, {100, 120, -230})},
+      {}, {"EX0J2", "EA0J2", "EX0J3", "EA0J3", "EC0J3", "EX0J4", "EA0J4", "EC0J4"});
+}
+
 inline Situation NeverMeasured(const machine::Machine& machine) {
   Mounted mounted;
   mounted.tips_mm = {{0, 0, -350}};
