@@ -25,6 +25,7 @@
 #include "server/storage/events.h"
 #include "server/storage/handed_tables.h"
 #include "server/storage/history.h"
+#include "server/storage/job_owner.h"
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
 #include "server/storage/marks.h"
@@ -191,6 +192,13 @@ class SqlStore final : public Database {
       auto rescued = storage::RescueJobs(c, Owner(c));
       if (!rescued.ok() || rescued->empty()) return rescued;
       return Told(c, kJobsChanged, std::move(rescued));
+    });
+  }
+  absl::StatusOr<std::vector<JobRecord>> ReturnJobs(const std::vector<JobClaim>& held) override {
+    return Write<std::vector<JobRecord>>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<std::vector<JobRecord>> {
+      auto returned = storage::ReturnJobs(c, Owner(c), held);
+      if (!returned.ok() || returned->empty()) return returned;
+      return Told(c, kJobsChanged, std::move(returned));
     });
   }
 
@@ -551,10 +559,9 @@ class SqlStore final : public Database {
         options_(options),
         up_at_open_(up),
         opened_at_(options.clock->SteadyNow()),
-        owner_id_(MakeOwnerId()),
+        owner_id_(NewOwnerId()),
         readers_([this] { return engine_->OpenReader(); }),
         writer_(std::move(connection), [this] { engine_->Between(); }) {}
-  static std::string MakeOwnerId();
   UtcTime Now() const { return options_.clock->UtcNow(); }
   std::chrono::microseconds UpTime() const {
     const auto here = options_.clock->SteadyNow() - opened_at_;
@@ -562,6 +569,13 @@ class SqlStore final : public Database {
            std::chrono::microseconds(up_of_others_us_);
   }
   Moment Present() const { return {Now(), UpTime().count()}; }
+  absl::StatusOr<std::vector<JobRecord>> RescueJobsOnOpen() {
+    return Write<std::vector<JobRecord>>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<std::vector<JobRecord>> {
+      if (engine_->is_shared()) RETURN_IF_ERROR(FallInStep(c));
+      if (c.has_others()) return std::vector<JobRecord>();
+      return storage::RescueJobs(c, Owner(c));
+    });
+  }
   JobOwner Owner(const Connection& connection) const {
     const auto steady = options_.clock->SteadyNow().time_since_epoch();
     const Moment now = Present();
