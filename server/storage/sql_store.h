@@ -143,12 +143,14 @@ class SqlStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::ListJobs(c, filter, page, visible); });
   }
   absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override {
-    return Write<std::optional<JobRecord>>(Growth::kStays,
-                                           [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
-                                             auto job = storage::ClaimJob(c, Owner(c), lease);
-                                             if (!job.ok() || !job->has_value()) return job;
-                                             return Told(c, kJobsChanged, std::move(job));
-                                           });
+    // Of a claim nobody outside hears who would rely on it: where it is lost with the server, the job waits as before,
+    // and what its worker says has no lease. The end of the job waits for the disk, and takes the claim with it.
+    const auto claim = [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
+      auto job = storage::ClaimJob(c, Owner(c), lease);
+      if (!job.ok() || !job->has_value()) return job;
+      return Told(c, kJobsChanged, std::move(job));
+    };
+    return Write<std::optional<JobRecord>>(Growth::kStays, claim, Writer::Durable::kSoon);
   }
   absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
     return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
@@ -603,15 +605,16 @@ class SqlStore final : public Database {
     return growth == Growth::kGrows ? engine_->CheckRoom() : absl::OkStatus();
   }
   template <typename T, typename Work>
-  absl::StatusOr<T> Write(Growth growth, const Work& work) {
+  absl::StatusOr<T> Write(Growth growth, const Work& work, Writer::Durable durable = Writer::Durable::kNow) {
     RETURN_IF_ERROR(CheckRoom(growth));
     std::optional<T> result;
-    RETURN_IF_ERROR(writer_.Run([&](Connection& connection) {
+    const auto run = [&](Connection& connection) {
       absl::StatusOr<T> made = work(connection);
       if (!made.ok()) return std::move(made).status();
       result = *std::move(made);
       return absl::OkStatus();
-    }));
+    };
+    RETURN_IF_ERROR(writer_.Run(run, durable));
     return *std::move(result);
   }
   // Whoever keeps house calls these now and then: a crash then loses little of the time that is counted.
