@@ -106,8 +106,10 @@ void AddCommands(CLI::App& app, CommandLine& line) {
   app.require_subcommand(0, 1);
   app.fallthrough();
   const char* const file = "the database; without it that of the configuration";
-  CLI::App* const check = app.add_subcommand(
-      "check", "Say whether a database that no server has is what was stored: structure, references, checksums, audit");
+  CLI::App* const check = app.add_subcommand("check",
+                                             "Say whether a database is what was stored: structure, references, "
+                                             "checksums, audit; a file that no server has, or "
+                                             "postgresql://USER@HOST/DATABASE, on which axiscald may work on");
   check->add_option("FILE", line.file, file);
   check->footer("Exit code 0: whole; 2: damaged, with a line for each damage; 1: it could not be looked at.");
   CLI::App* const restore = app.add_subcommand(
@@ -158,12 +160,12 @@ int RunOffline(const CLI::App& app, const CommandLine& line) {
     std::fprintf(stderr, "axiscald: %s\n", std::string(file.status().message()).c_str());
     return 1;
   }
+  if (command == "check") return axiscal::server::CheckOffline(*file);
   if (axiscal::storage::IsPostgresUrl(*file)) {
     std::fprintf(stderr, "axiscald %s: %s is no file: pg_dump and pg_restore are for it (docs/scale.md)\n",
                  command.c_str(), axiscal::storage::WithoutPassword(*file).c_str());
     return 1;
   }
-  if (command == "check") return axiscal::server::CheckOffline(*file);
   if (command == "compact") return axiscal::server::CompactOffline(*file);
   return axiscal::server::RestoreOffline(line.backup, *file, line.take_damaged);
 }

@@ -43,8 +43,9 @@ int Tell(const std::string& path, const storage::CheckReport& report) {
 }  // namespace
 
 int CheckOffline(const std::string& path) {
-  const absl::StatusOr<storage::CheckReport> report = storage::CheckStoreFile(path);
-  return report.ok() ? Tell(path, *report) : Fail(report.status());
+  const absl::StatusOr<storage::CheckReport> report =
+      storage::IsPostgresUrl(path) ? storage::CheckStoreOnServer(path) : storage::CheckStoreFile(path);
+  return report.ok() ? Tell(storage::WithoutPassword(path), *report) : Fail(report.status());
 }
 
 int RestoreOffline(const std::string& backup, const std::string& path, bool take_damaged) {

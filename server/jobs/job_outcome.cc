@@ -6,13 +6,26 @@ namespace axiscal::jobs {
 
 using storage::JobEnd;
 
+namespace {
+
+bool IsOfStore(const absl::Status& status) {
+  const std::string reason = base::ErrorReason(status);
+  return absl::IsUnavailable(status) && (reason == "STORE_DOWN" || reason == "STORE_BUSY");
+}
+
+}  // namespace
+
 bool IsWorthRetrying(absl::StatusCode code) {
   return code == absl::StatusCode::kUnavailable || code == absl::StatusCode::kAborted ||
          code == absl::StatusCode::kResourceExhausted;
 }
 
+bool IsNotCounted(const records::JobError& error) {
+  return error.reason == "DRAINING" || error.reason == "STORE_AWAY" || error.reason == "MACHINE_RESTARTED";
+}
+
 JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int attempt,
-                         std::chrono::milliseconds first_backoff) {
+                         std::chrono::milliseconds first_backoff, StorePlace store) {
   if (reason == StopReason::kCancelled) {
     return {JobEnd::kCancelled, {absl::StatusCode::kCancelled, "CANCELLED", "cancelled as asked"}, {}};
   }
@@ -27,6 +40,11 @@ JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int atte
     return {JobEnd::kFailed,
             {absl::StatusCode::kDeadlineExceeded, "JOB_TOO_LATE", "had not ended by its deadline, and was stopped"},
             {}};
+  }
+  if (store == StorePlace::kElsewhere && IsOfStore(status)) {
+    return {JobEnd::kParked,
+            {absl::StatusCode::kUnavailable, "STORE_AWAY", absl::StrCat("put back: ", status.message())},
+            first_backoff};
   }
   const records::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
   if (!IsWorthRetrying(status.code())) return {JobEnd::kFailed, error, {}};

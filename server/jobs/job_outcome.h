@@ -17,10 +17,19 @@ struct JobOutcome {
 // Codes that another attempt may cure; the others come from the job itself and would come again.
 bool IsWorthRetrying(absl::StatusCode code);
 
+// Whether a job that waits again does so without its last attempt counted, by its error.
+bool IsNotCounted(const records::JobError& error);
+
+// Where the store is and who answers for it.
+enum class StorePlace {
+  kHere,      // a file: what goes wrong with it may come from the job (memory, disk), and would come again
+  kElsewhere  // a server that may go away, which says nothing against a job
+};
+
 // For an attempt (1, 2, ...) that failed with `status`, having been asked to stop for `reason` or not. Waits grow by 4
-// from `first_backoff`.
+// from `first_backoff`, which is how long one whose attempt is not counted waits.
 JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int attempt,
-                         std::chrono::milliseconds first_backoff);
+                         std::chrono::milliseconds first_backoff, StorePlace store);
 
 }  // namespace axiscal::jobs
 

@@ -65,6 +65,9 @@ class JobRunner::Impl {
   void Launch(const JobRecord& record);
   void BeatAll();
   void Rescue();
+  // What was claimed here and runs nowhere, as the store went away meanwhile, goes back to the queue.
+  void ReturnUnheld();
+  void TellPutBack(const std::vector<JobRecord>& records);
   // Reads what other processes have done with the jobs that are watched or run here.
   void LookAtOthers();
 
@@ -97,14 +100,17 @@ class JobRunner::Impl {
   base::Mutex mutex_;
   base::CondVar changed_;
   std::map<JobId, Running> running_ AXISCAL_GUARDED_BY(mutex_);
-  bool woken_ AXISCAL_GUARDED_BY(mutex_) = false;     // the keeper has something to do
-  bool claiming_ AXISCAL_GUARDED_BY(mutex_) = false;  // a job may be claimed and not in running_ yet
-  bool draining_ AXISCAL_GUARDED_BY(mutex_) = false;  // nothing new
-  bool parking_ AXISCAL_GUARDED_BY(mutex_) = false;   // what runs is told to stop
-  bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;  // the keeper ends
-  base::SteadyTime next_beat_{};                      // keeper's thread
-  std::map<JobId, int64_t> versions_;                 // of jobs that are watched or run here; keeper's thread
-  base::Mutex drain_mutex_;                           // one Drain() at a time
+  bool woken_ AXISCAL_GUARDED_BY(mutex_) = false;          // the keeper has something to do
+  bool claiming_ AXISCAL_GUARDED_BY(mutex_) = false;       // a job may be claimed and not in running_ yet
+  bool draining_ AXISCAL_GUARDED_BY(mutex_) = false;       // nothing new
+  bool parking_ AXISCAL_GUARDED_BY(mutex_) = false;        // what runs is told to stop
+  bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;       // the keeper ends
+  bool may_be_unheld_ AXISCAL_GUARDED_BY(mutex_) = false;  // the answer to a claim, or an outcome, was lost
+  base::SteadyTime next_beat_{};                           // keeper's thread
+  // Others' leases are believed from then on: those who live could prolong them. Keeper's thread.
+  base::SteadyTime rescue_from_{};
+  std::map<JobId, int64_t> versions_;  // of jobs that are watched or run here; keeper's thread
+  base::Mutex drain_mutex_;            // one Drain() at a time
   std::unique_ptr<WorkerPool> pool_;
   std::thread keeper_;
 };
@@ -113,12 +119,15 @@ class JobRunner::Impl {
 
 void JobRunner::Impl::Keep() {
   next_beat_ = options_.clock->SteadyNow() + options_.heartbeat;
+  // It may have begun as the store came back, for all.
+  if (database_.is_shared()) rescue_from_ = options_.clock->SteadyNow() + options_.lease;
   while (true) {
     if (database_.is_shared()) LookAtOthers();
     base::SteadyTime wake_at = ClaimAll();
     if (const base::SteadyTime now = options_.clock->SteadyNow(); now >= next_beat_) {
       next_beat_ = now + options_.heartbeat;
       BeatAll();
+      ReturnUnheld();
       Rescue();
     }
     wake_at = std::min(wake_at, next_beat_);
@@ -196,6 +205,10 @@ absl::StatusOr<std::optional<JobRecord>> JobRunner::Impl::ClaimOne() {
   const base::MutexLock turn(turn_mutex_);
   absl::StatusOr<std::optional<JobRecord>> claimed = database_.ClaimJob(options_.lease);
   if (claimed.ok() && claimed->has_value()) Launch(**claimed);
+  if (absl::IsUnavailable(claimed.status())) {
+    const base::MutexLock lock(mutex_);
+    may_be_unheld_ = true;
+  }
   return claimed;
 }
 
@@ -261,14 +274,37 @@ void JobRunner::Impl::BeatAll() {
 }
 
 void JobRunner::Impl::Rescue() {
+  const base::SteadyTime now = options_.clock->SteadyNow();
+  if (now < rescue_from_) {
+    if (!database_.NextJobWait().ok()) rescue_from_ = now + options_.lease;
+    return;
+  }
   const absl::StatusOr<std::vector<JobRecord>> rescued = database_.RescueJobs();
-  if (!rescued.ok()) return;
-  for (const JobRecord& record : *rescued) {
+  if (rescued.ok()) return TellPutBack(*rescued);
+  if (database_.is_shared()) rescue_from_ = now + options_.lease;
+}
+
+void JobRunner::Impl::ReturnUnheld() {
+  std::vector<JobClaim> held;
+  {
+    const base::MutexLock lock(mutex_);
+    if (!std::exchange(may_be_unheld_, false)) return;
+    // A worker that is about to store an outcome is among them; one whose outcome is lost after this says so again.
+    for (const auto& [id, running] : running_) held.push_back(storage::ClaimOf(running.record));
+  }
+  const absl::StatusOr<std::vector<JobRecord>> returned = database_.ReturnJobs(held);
+  if (returned.ok()) return TellPutBack(*returned);
+  const base::MutexLock lock(mutex_);
+  may_be_unheld_ = true;
+}
+
+void JobRunner::Impl::TellPutBack(const std::vector<JobRecord>& records) {
+  for (const JobRecord& record : records) {
     const bool is_late = record.state == records::JobState::kFailed;
     Tell({is_late ? JobEvent::What::kEnded : JobEvent::What::kLost, record, OutcomeOf(record), {}});
     Publish(record);
   }
-  if (!rescued->empty()) Wake();
+  if (!records.empty()) Wake();
 }
 
 // ---- workers
@@ -277,8 +313,7 @@ void JobRunner::Impl::RunJob(const JobRecord& record, JobContext& context) {
   const base::SteadyTime start = options_.clock->SteadyNow();
   absl::StatusOr<storage::JobProduct> product = CallFunction(record, context);
   const absl::StatusOr<JobRecord> ended = EndAttempt(record, context, std::move(product), start);
-  // An outcome that could not be stored leaves the job RUNNING until its lease is over; then it is rescued and runs
-  // again.
+  // An outcome that could not be stored leaves the job RUNNING until the store answers: ReturnUnheld().
   if (ended.ok()) Publish(*ended);
   changed_.NotifyAll();
 }
@@ -295,6 +330,8 @@ absl::StatusOr<JobRecord> JobRunner::Impl::EndAttempt(const JobRecord& record, J
   // The entry is another attempt's where this one had lost its lease.
   const auto found = running_.find(record.id);
   if (found != running_.end() && found->second.context.get() == &context) running_.erase(found);
+  // Any other refusal of the store is the outcome's own: it would come again, so the lapse of the lease counts.
+  if (absl::IsUnavailable(ended.status())) may_be_unheld_ = true;
   woken_ = true;
   return ended;
 }
@@ -325,7 +362,8 @@ absl::StatusOr<JobRecord> JobRunner::Impl::StoreOutcome(const JobRecord& record,
     status = succeeded.status();
   }
   if (context.stop_reason() == StopReason::kLeaseLost) return status;
-  const JobOutcome outcome = DecideOutcome(status, context.stop_reason(), record.attempt, options_.first_backoff);
+  const JobOutcome outcome = DecideOutcome(status, context.stop_reason(), record.attempt, options_.first_backoff,
+                                           database_.is_shared() ? StorePlace::kElsewhere : StorePlace::kHere);
   return database_.EndJob(claim, outcome.end, outcome.error, outcome.retry_after);
 }
 
@@ -438,6 +476,8 @@ void JobRunner::Impl::Drain(std::chrono::milliseconds patience) {
   changed_.NotifyAll();
   if (keeper_.joinable()) keeper_.join();
   if (pool_ != nullptr) pool_->Drain();
+  // Nothing runs any more: what the store did not take of it is put back where the store is there again.
+  if (pool_ != nullptr) ReturnUnheld();
   board_.Close();
 }
 
@@ -452,7 +492,7 @@ std::string OutcomeOf(const JobRecord& job) {
     case records::JobState::kDead:
       return "DEAD";
     default:
-      return job.error && job.error->reason == "DRAINING" ? "PARKED" : "RETRY";
+      return job.error && IsNotCounted(*job.error) ? "PARKED" : "RETRY";
   }
 }
 

@@ -267,6 +267,55 @@ TEST_F(JobRunnerTest, PassingTroubleIsTriedAgainAndAPoisonedJobDies) {
   EXPECT_EQ(runs, 3);
 }
 
+// A job whose first outcome the store does not take. Tells all that is told of it.
+class LostOutcome : public JobRunnerTest {
+ protected:
+  // `keep_out` is called by the first attempt, `let_in` when its outcome was lost, and then `later` is over.
+  void Run(const std::string& keep_out, const std::string& let_in, std::chrono::milliseconds later) {
+    const std::unique_ptr<storage::Connection> beside = database.Beside();
+    std::atomic<int> runs = 0, ends = 0;
+    kinds["echo"].run = [&](const JobRecord& record, JobContext&) -> absl::StatusOr<JobProduct> {
+      if (++runs == 1) EXPECT_TRUE(beside->Execute(keep_out).ok());
+      return JobProduct{record.params, {}, {}};
+    };
+    base::Mutex mutex;
+    options.tell = [&](const JobEvent& event) {
+      const base::MutexLock lock(mutex);
+      told.push_back(event.what == JobEvent::What::kStarted ? "start" : event.outcome);
+      ends += event.what == JobEvent::What::kEnded;
+    };
+    StartRunner();
+    const JobId job = Create("echo").id;
+    while (ends == 0) std::this_thread::yield();
+    EXPECT_TRUE(beside->Execute(let_in).ok());
+    database.clock.Advance(later);
+    ended = WaitForEnd(job);
+    runner->Drain(std::chrono::hours(1));
+    EXPECT_EQ(runs, 2);
+  }
+
+  JobRecord ended;
+  std::vector<std::string> told;
+};
+
+// It is found at the next beat, long before the lease is over, and the attempt is not counted.
+TEST_F(LostOutcome, WhileTheStoreIsAwayDoesNotCount) {
+  Run("BEGIN IMMEDIATE", "ROLLBACK", options.heartbeat);
+  EXPECT_EQ(ended.state, JobState::kSucceeded);
+  EXPECT_EQ(ended.attempt, 1);
+  EXPECT_EQ(told, (std::vector<std::string>{"start", "STORE_BUSY", "PARKED", "start", "SUCCEEDED"}));
+}
+
+// What the store refuses for what it is would be refused again: such attempts are used up.
+TEST_F(LostOutcome, ThatTheStoreRefusesCounts) {
+  Run("CREATE TRIGGER takes_no_end BEFORE UPDATE OF state ON job WHEN NEW.state > 2 BEGIN SELECT RAISE(ABORT, 'no'); "
+      "END",
+      "DROP TRIGGER takes_no_end", options.lease + options.heartbeat);
+  EXPECT_EQ(ended.state, JobState::kSucceeded);
+  EXPECT_EQ(ended.attempt, 2);
+  EXPECT_EQ(told, (std::vector<std::string>{"start", "STORE_BUG", "RETRY", "start", "SUCCEEDED"}));
+}
+
 TEST_F(JobRunnerTest, WhatWouldFailAgainIsNotTriedAgain) {
   kinds["bad"].run = [](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
     return base::Error(absl::StatusCode::kFailedPrecondition, "EX0B - EX0C", {"RANK_DEFICIENT", {}});

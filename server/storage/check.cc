@@ -18,7 +18,10 @@
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
 #include "server/storage/migrate.h"
+#include "server/storage/postgres_check.h"
+#include "server/storage/postgres_connection.h"
 #include "server/storage/programs.h"
+#include "server/storage/refusal.h"
 #include "server/storage/sessions.h"
 #include "server/storage/transaction.h"
 
@@ -66,7 +69,18 @@ class Check {
     Note("schema", Schema());
     return Rows();
   }
-  // What any engine has.
+  // Of a server, in a transaction that reads. UNAVAILABLE where it goes away meanwhile.
+  absl::StatusOr<CheckReport> Server(bool is_present_schema) {
+    // A statement that fails ends all that follow it in a transaction: what is damaged must not hide the rest.
+    RETURN_IF_ERROR(connection_.Execute("SAVEPOINT look"));
+    goes_back_ = true;
+    const NoteDamage tell = [this](const std::string& of, const std::string& what) { Note(of, what); };
+    if (is_present_schema) Note("schema", CheckPostgresObjects(connection_, PostgresMigrations(), tell));
+    Note("file", CheckPostgresReferences(connection_, tell));
+    CheckReport report = is_present_schema ? Rows() : std::move(report_);
+    RETURN_IF_ERROR(away_);
+    return report;
+  }
   CheckReport Rows() {
     Descriptions();
     ForEach("session", "sessions/", "", [&](int64_t id) { return OneSession(SessionId(id)); });
@@ -83,7 +97,13 @@ class Check {
 
  private:
   void Note(const std::string& resource, const absl::Status& status) {
-    if (!status.ok()) Note(resource, std::string(status.message()));
+    if (status.ok()) return;
+    if (goes_back_ && away_.ok()) {
+      const absl::Status back = connection_.Execute("ROLLBACK TO look");
+      // What is not there now may be whole: a standby, too, ends a look for the sake of what it has to follow.
+      away_ = absl::IsUnavailable(status) ? status : back;
+    }
+    Note(resource, std::string(status.message()));
   }
   void Note(const std::string& resource, const std::string& text) {
     ++report_.damage_count;
@@ -232,6 +252,8 @@ class Check {
   }
 
   Connection& connection_;
+  bool goes_back_ = false;  // to a savepoint, after a statement that failed
+  absl::Status away_;       // why the store cannot be looked at any more
   CheckReport report_;
 };
 
@@ -280,6 +302,24 @@ absl::StatusOr<CheckReport> CheckStoreFile(const std::string& path) {
   ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
                    SqliteConnection::Open(lock.path(), Access::kReadOnly));
   return CheckStore(*connection);
+}
+
+absl::StatusOr<CheckReport> CheckStoreOnServer(const std::string& url) {
+  ASSIGN_OR_RETURN(const std::unique_ptr<PostgresConnection> connection,
+                   PostgresConnection::Open(url, Access::kReadOnly));
+  ASSIGN_OR_RETURN(const Transaction snapshot, Transaction::BeginRead(*connection));
+  ASSIGN_OR_RETURN(const bool is_ours, connection->HasTable("migration"));
+  if (!is_ours) return FailedPrecondition("not an Axiscal database", "NOT_A_DATABASE");
+  int64_t version = 0;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection->Ask("SELECT coalesce(max(version), 0) FROM migration"));
+    RETURN_IF_ERROR(row.Step().status());
+    version = row.Int(0);
+  }
+  RETURN_IF_ERROR(CheckMigrations(*connection, PostgresMigrations(), version));
+  ASSIGN_OR_RETURN(CheckReport report, Check(*connection).Server(version == PostgresMigrations().back().version));
+  report.schema_version = static_cast<int>(version);
+  return report;
 }
 
 }  // namespace axiscal::storage

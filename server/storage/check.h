@@ -26,6 +26,12 @@ CheckReport CheckRows(Connection& connection);
 //   an older schema only structure and references are compared.
 absl::StatusOr<CheckReport> CheckStoreFile(const std::string& path);
 
+// The same of a database of PostgreSQL, which is only read, in one snapshot: axiscald may work on it meanwhile. Of the
+// structure it compares what a server tells of it (postgres_check.h); the server's own programs look at pages.
+//   UNAVAILABLE STORE_DOWN, also where the connection is lost on the way; FAILED_PRECONDITION NOT_A_DATABASE,
+//   SCHEMA_NEWER, SCHEMA_CHANGED. Of an older schema only the references are looked at.
+absl::StatusOr<CheckReport> CheckStoreOnServer(const std::string& url);
+
 }  // namespace axiscal::storage
 
 #endif  // AXISCAL_SERVER_STORAGE_CHECK_H_

@@ -8,6 +8,7 @@
 
 #include "core/base/error_detail.h"
 #include "server/storage/backup.h"
+#include "server/storage/migration.h"
 #include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -191,6 +192,92 @@ TEST_F(CheckTest, WhatCannotBeLookedAtIsRefused) {
   options.path = database_.path();
   EXPECT_EQ(base::ErrorReason(OpenSqlite(options).status()), "NOT_A_DATABASE");
   EXPECT_FALSE(std::filesystem::exists(database_.path() + ".lock"));
+}
+
+// The same of a database of PostgreSQL, on which its store works on. Of the run with --store=postgresql alone.
+class PostgresCheck : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestServer::present == nullptr) GTEST_SKIP() << "needs storage_test --store=postgresql";
+    database_ = std::make_unique<TempDatabase>();
+    const SessionId session = StoreSession(**database_, 3);
+    NewCalibration calibration = TestCalibration(database_->clock.UtcNow(), 1.0);
+    calibration.sessions = {session};
+    ASSERT_TRUE((*database_)->CreateCalibration(calibration).ok());
+  }
+  // All that is named after something was done past the guards.
+  std::string NamedAfter(const std::string& sql) {
+    const absl::Status done = database_->PastGuards()->Execute(sql);
+    EXPECT_TRUE(done.ok()) << sql << ": " << done;
+    const auto report = CheckStoreOnServer(database_->url());
+    EXPECT_TRUE(report.ok()) << report.status();
+    std::string all;
+    if (!report.ok()) return all;
+    for (const Damage& damage : report->damages) absl::StrAppend(&all, damage.resource, ": ", damage.text, "\n");
+    return all;
+  }
+
+  std::unique_ptr<TempDatabase> database_;
+};
+
+TEST_F(PostgresCheck, AWholeOneIsWholeWhileAStoreHasIt) {
+  const auto report = CheckStoreOnServer(database_->url());
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_THAT(report->damages, IsEmpty()) << report->damages[0].resource << ": " << report->damages[0].text;
+  EXPECT_EQ(report->schema_version, PostgresMigrations().back().version);
+  EXPECT_EQ(report->sessions, 1);
+  EXPECT_EQ(report->chunks, 3);
+  EXPECT_EQ(report->calibrations, 1);
+  EXPECT_TRUE((*database_)->CreateSession(TestSession("goes on")).ok());
+}
+
+TEST_F(PostgresCheck, EachDamageOfARowIsNamed) {
+  EXPECT_THAT(NamedAfter("UPDATE chunk SET content = 'x' WHERE seq = 1"), HasSubstr("sessions/1/chunks/1: "));
+  EXPECT_THAT(NamedAfter("UPDATE estimate_week SET sum_um_urad = sum_um_urad + 0.001 WHERE symbol = 'EX0C'"),
+              HasSubstr("machines/mt, history of EX0C, week 2810: "));
+  EXPECT_THAT(NamedAfter("UPDATE audit SET principal = 'eve' WHERE id = 1"), HasSubstr("audit: "));
+  EXPECT_THAT(NamedAfter("UPDATE calibration SET machine_id = 77"),
+              HasSubstr("file: table calibration: 1 rows name a row of machine that is not there\n"));
+  // What was found before is found still: no damage hides another one.
+  const std::string all = NamedAfter("SELECT 1");
+  for (const std::string place : {"sessions/1/chunks/1: ", "week 2810: ", "audit: "})
+    EXPECT_THAT(all, HasSubstr(place));
+}
+
+// A rule that lets through what it shall refuse.
+TEST_F(PostgresCheck, AChangedSchemaIsNamed) {
+  const auto adds = [&](const std::string& sql, const std::string& line) {
+    EXPECT_THAT(NamedAfter(sql), HasSubstr("schema: " + line + "\n")) << sql;
+  };
+  adds("ALTER TABLE audit DISABLE TRIGGER audit_is_never_changed",
+       "trigger audit_is_never_changed of table audit is switched off or not valid");
+  adds("DROP TRIGGER chunk_is_never_changed ON chunk", "trigger chunk_is_never_changed is not there");
+  adds("CREATE OR REPLACE FUNCTION refuse() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN RETURN NEW; END $$",
+       "function refuse is not what the migrations made");
+  adds("DROP INDEX job_by_machine", "index job_by_machine is not there");
+  adds("CREATE TABLE more (id BIGINT)", "table more is none of the migrations'");
+}
+
+// A statement that fails in the middle, as one on a page that the disk has changed does, hides nothing behind it.
+TEST_F(PostgresCheck, WhatCannotBeReadHidesNothingElse) {
+  const std::string all =
+      NamedAfter("ALTER TABLE session_header RENAME TO elsewhere; UPDATE audit SET principal = 'eve' WHERE id = 1");
+  EXPECT_THAT(all, HasSubstr("sessions/1: "));
+  EXPECT_THAT(all, HasSubstr("schema: table session_header is not there\n"));
+  EXPECT_THAT(all, HasSubstr("audit: "));
+  EXPECT_THAT(all, testing::Not(HasSubstr("current transaction is aborted")));
+}
+
+TEST_F(PostgresCheck, RefusesWhatIsNoneOfOurs) {
+  const std::string empty = TestServer::present->MakeDatabase(false);
+  EXPECT_EQ(base::ErrorReason(CheckStoreOnServer(empty).status()), "NOT_A_DATABASE");
+  TestServer::present->DropDatabase(empty);
+  EXPECT_EQ(base::ErrorReason(CheckStoreOnServer(empty).status()), "STORE_DOWN");
+  ASSERT_TRUE(database_->PastGuards()
+                  ->Execute("INSERT INTO migration SELECT version + 1, 'newer', sha256, applied_at_utc_us FROM "
+                            "migration ORDER BY version DESC LIMIT 1")
+                  .ok());
+  EXPECT_EQ(base::ErrorReason(CheckStoreOnServer(database_->url()).status()), "SCHEMA_NEWER");
 }
 
 }  // namespace

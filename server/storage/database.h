@@ -30,7 +30,7 @@ enum class JobEnd {
   kFailed,     // for good
   kCancelled,  // as asked
   kRetry,      // QUEUED again after `retry_after`; DEAD when the attempts are used up
-  kParked,     // QUEUED again and the attempt not counted: the server is shutting down
+  kParked,     // QUEUED again after `retry_after`, and the attempt not counted: nothing speaks against the job
 };
 
 // What other processes that have the same store may have done since one heard last, and this one, too.
@@ -152,7 +152,8 @@ class Database {
   virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) = 0;
   // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts; QUEUED ones whose deadline is over
   // are FAILED. What changed. (Jobs of a dead process are rescued on open, unless another one has the store, too: then
-  // when their lease is over.)
+  // when their lease is over. Attempts of an earlier boot of this machine are not counted: whatever ended it, it took
+  // all with it.)
   virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
 
   // ---- calibrations
@@ -419,6 +420,11 @@ class Database {
   virtual absl::StatusOr<std::optional<EventChange>> WantedLetter(WebhookId webhook) = 0;
   // What came of that; `error` empty: it was taken, and is no dead letter any more.
   virtual absl::StatusOr<bool> EndWantedLetter(WebhookId webhook, int64_t change, const std::string& error) = 0;
+
+  // ---- after the store went away
+  // RUNNING jobs that were claimed here and are none of `held` go back to QUEUED at once, the attempt not counted: the
+  // answer to the claim, or the outcome, was lost on its way. What changed.
+  virtual absl::StatusOr<std::vector<JobRecord>> ReturnJobs(const std::vector<JobClaim>& held) = 0;
 };
 
 }  // namespace axiscal::storage

@@ -6,6 +6,7 @@
 
 #include "core/base/error_detail.h"
 #include "server/storage/calibrations.h"
+#include "server/storage/job_owner.h"
 #include "server/storage/jobs.h"
 #include "server/storage/refusal.h"
 
@@ -293,32 +294,65 @@ absl::StatusOr<JobRecord> EndJob(Connection& connection, const JobOwner& owner, 
 }
 
 absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const JobOwner& owner) {
-  std::vector<JobId> lost;
+  std::vector<std::pair<JobId, std::string>> lost;
   {
     ASSIGN_OR_RETURN(
         Statement row,
         owner.is_alone
-            ? connection.Ask("SELECT id FROM job WHERE state = 2 AND (owner <> ?1 OR lease_until_steady_us < "
+            ? connection.Ask("SELECT id, owner FROM job WHERE state = 2 AND (owner <> ?1 OR lease_until_steady_us < "
                              "?2) ORDER BY id",
                              owner.id, owner.lease_now_us)
-            : connection.Ask("SELECT id FROM job WHERE state = 2 AND lease_until_steady_us < ?1 ORDER BY id",
+            : connection.Ask("SELECT id, owner FROM job WHERE state = 2 AND lease_until_steady_us < ?1 ORDER BY id",
                              owner.lease_now_us));
     while (true) {
       ASSIGN_OR_RETURN(const bool more, row.Step());
       if (!more) break;
-      lost.push_back(JobId(row.Int(0)));
+      lost.emplace_back(JobId(row.Int(0)), row.Text(1));
     }
   }
   std::vector<JobRecord> rescued;
-  for (const JobId id : lost) {
+  for (const auto& [id, whose] : lost) {
     ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
-    const JobError error = {absl::StatusCode::kUnavailable, "OWNER_LOST",
-                            absl::StrCat("attempt ", job.attempt, " was not finished")};
-    RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kRetry, "LOST", error, std::chrono::microseconds(0)));
+    const bool is_rebooted = IsOfEarlierBoot(whose, owner.id);
+    const JobError error = {
+        absl::StatusCode::kUnavailable, is_rebooted ? "MACHINE_RESTARTED" : "OWNER_LOST",
+        absl::StrCat("attempt ", job.attempt, " was not finished", is_rebooted ? ": the machine was restarted" : "")};
+    RETURN_IF_ERROR(Leave(connection, owner.now, job, is_rebooted ? JobEnd::kParked : JobEnd::kRetry, "LOST", error,
+                          std::chrono::microseconds(0)));
     ASSIGN_OR_RETURN(rescued.emplace_back(), GetJob(connection, id));
   }
   RETURN_IF_ERROR(FailLate(connection, owner.now, rescued));
   return rescued;
+}
+
+absl::StatusOr<std::vector<JobRecord>> ReturnJobs(Connection& connection, const JobOwner& owner,
+                                                  const std::vector<JobClaim>& held) {
+  std::vector<JobId> lost;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT id, lease_token FROM job WHERE state = 2 AND owner = ?1 ORDER BY id", owner.id));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      const JobId id(row.Int(0));
+      const int64_t token = row.Int(1);
+      const bool is_held = std::any_of(held.begin(), held.end(), [&](const JobClaim& claim) {
+        return claim.id == id && claim.lease_token == token;
+      });
+      if (!is_held) lost.push_back(id);
+    }
+  }
+  std::vector<JobRecord> returned;
+  for (const JobId id : lost) {
+    ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
+    const JobError error = {
+        absl::StatusCode::kUnavailable, "STORE_AWAY",
+        absl::StrCat("put back: the store went away while attempt ", job.attempt, " began or ended")};
+    RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kParked, "PARKED", error, std::chrono::microseconds(0)));
+    ASSIGN_OR_RETURN(returned.emplace_back(), GetJob(connection, id));
+  }
+  return returned;
 }
 
 }  // namespace axiscal::storage

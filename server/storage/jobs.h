@@ -51,6 +51,8 @@ absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& own
 absl::StatusOr<JobRecord> EndJob(Connection& connection, const JobOwner& owner, const JobClaim& claim, JobEnd end,
                                  const JobError& error, std::chrono::microseconds retry_after);
 absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const JobOwner& owner);
+absl::StatusOr<std::vector<JobRecord>> ReturnJobs(Connection& connection, const JobOwner& owner,
+                                                  const std::vector<JobClaim>& held);
 
 }  // namespace axiscal::storage
 

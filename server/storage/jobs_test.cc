@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
+#include "server/storage/job_owner.h"
 #include "server/storage/page_token.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -244,6 +245,53 @@ TEST_F(Jobs, OfADeadProcessGoBackToTheQueueAndDieAfterThree) {
   EXPECT_EQ(database->GetJob(id)->error->reason, "OWNER_LOST");
   ASSERT_TRUE(database->RequeueJob(id, 10, Cell("")).ok());
   EXPECT_EQ(Claim().attempt, 1);
+}
+
+// Of a plant whose power fails three times nothing is known against the job; of a process that dies in each attempt it
+// is.
+TEST_F(Jobs, AttemptsThatEndedWithTheMachineDoNotCount) {
+  const JobId id = database->CreateJob(Job("a"), 10)->id;
+  for (int restart = 0; restart < 4; ++restart) {
+    EXPECT_EQ(Claim().attempt, 1);
+    database.Close();
+    // As if it had been claimed in an earlier boot: the last part of the owner's text is another one.
+    ASSERT_TRUE(database.Beside()->Execute("UPDATE job SET owner = substr(owner, 1, 42) || 'former'").ok());
+    database.Open();
+    EXPECT_EQ(database->GetJob(id)->state, JobState::kQueued);
+    EXPECT_EQ(database->GetJob(id)->attempt, 0);
+    EXPECT_EQ(database->GetJob(id)->error->reason, "MACHINE_RESTARTED");
+  }
+}
+
+TEST_F(Jobs, AnOwnerTellsMachineAndBoot) {
+  const std::string self = "0123456789abcdef01234567-mill-boot2";
+  EXPECT_TRUE(IsOfEarlierBoot("76543210fedcba9876543210-mill-boot1", self));
+  EXPECT_FALSE(IsOfEarlierBoot("76543210fedcba9876543210-mill-boot2", self));   // its process alone died
+  EXPECT_FALSE(IsOfEarlierBoot("76543210fedcba9876543210-lathe-boot1", self));  // of whose boots nothing is known here
+  EXPECT_FALSE(IsOfEarlierBoot("76543210fedcba9876543210", self));              // of an older version
+  EXPECT_FALSE(IsOfEarlierBoot("76543210fedcba9876543210-mill-boot1", "0123456789abcdef01234567"));
+}
+
+// Whose claim or outcome did not arrive goes on at once; what is held is left alone, and so is another attempt.
+TEST_F(Jobs, WhatNobodyHoldsIsReturnedAndNotCounted) {
+  const JobId held = database->CreateJob(Job("a"), 10)->id, lost = database->CreateJob(Job("b"), 10)->id;
+  const JobRecord of_held = Claim(), of_lost = Claim();
+  ASSERT_EQ(of_held.id, held);
+  const auto returned = database->ReturnJobs({ClaimOf(of_held)});
+  ASSERT_TRUE(returned.ok()) << returned.status();
+  ASSERT_EQ(returned->size(), 1u);
+  EXPECT_EQ((*returned)[0].id, lost);
+  EXPECT_EQ((*returned)[0].state, JobState::kQueued);
+  EXPECT_EQ((*returned)[0].attempt, 0);
+  EXPECT_EQ((*returned)[0].error->reason, "STORE_AWAY");
+  EXPECT_EQ(base::ErrorReason(database->SucceedJob(ClaimOf(of_lost), {"late", {}, {}}).status()), "LEASE_LOST");
+  const JobRecord second = Claim();
+  EXPECT_EQ(second.id, lost);
+  EXPECT_EQ(second.attempt, 1);
+  // An older claim of the same job holds nothing.
+  EXPECT_EQ(database->ReturnJobs({ClaimOf(of_held), ClaimOf(of_lost)})->size(), 1u);
+  EXPECT_TRUE(database->ReturnJobs({ClaimOf(of_held)})->empty());
+  EXPECT_TRUE(database->SucceedJob(ClaimOf(of_held), {"in time", {}, {}}).ok());
 }
 
 TEST_F(Jobs, RetriesWaitAndParkedAttemptsDoNotCount) {

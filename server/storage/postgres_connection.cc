@@ -354,6 +354,11 @@ absl::Status PostgresConnection::Begin(Access access) {
   return begun;
 }
 
+absl::Status PostgresConnection::CommitSoon() {
+  owes_release_ = false;  // the end of the transaction ends all savepoints
+  return Execute("SET LOCAL synchronous_commit = off; COMMIT");
+}
+
 bool PostgresConnection::in_transaction() const {
   const PGTransactionStatusType status = PQtransactionStatus(connection_);
   return status != PQTRANS_IDLE && status != PQTRANS_UNKNOWN;

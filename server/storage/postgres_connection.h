@@ -48,6 +48,7 @@ class PostgresConnection final : public Connection {
   absl::Status Execute(const std::string& script) override;
   // Connects again where the connection was lost meanwhile.
   absl::Status Begin(Access access) override;
+  absl::Status CommitSoon() override;
   bool in_transaction() const override;
   int64_t changed_rows() const override { return changed_rows_; }
   bool was_undone() const override { return was_undone_; }

@@ -10,6 +10,9 @@
 
 #include "server/storage/engine.h"
 
+// libpq's PGconn.
+struct pg_conn;
+
 namespace axiscal::storage {
 
 class PostgresListener final : public Listener {
@@ -23,7 +26,7 @@ class PostgresListener final : public Listener {
  private:
   void Loop();
   // Waits for what comes, the end, or the time that is given; false: the connection is gone.
-  bool Hear(struct pg_conn* connection);
+  bool Hear(pg_conn* connection);
 
   const std::string url_;
   const std::function<void(const std::string&)> heard_;

@@ -155,6 +155,28 @@ TEST_F(PostgresShared, AJobIsTakenOverWhenItsLeaseIsOver) {
   EXPECT_EQ(a().GetJob(late.id)->result, "in time");
 }
 
+// A commit that waits for a standby which is not there waits without an end; a claim does not wait.
+TEST_F(PostgresShared, AClaimWaitsForNoDiskAndNoStandby) {
+  ASSERT_TRUE(b().CreateJob(Job("a"), 10).ok());
+  const std::unique_ptr<Connection> server = a_->Beside();
+  const auto set = [&](const std::string& names) {
+    EXPECT_TRUE(server->Execute("ALTER SYSTEM SET synchronous_standby_names = '" + names + "'").ok());
+    EXPECT_TRUE(server->Execute("SELECT pg_reload_conf()").ok());
+    // Known once it is, to connections that are made then.
+    for (std::string known = "?"; known != names; std::this_thread::yield()) {
+      const auto fresh = a_->Beside();
+      Statement row = *fresh->Ask("SELECT CAST(current_setting('synchronous_standby_names') AS TEXT)");
+      ASSERT_TRUE(*row.Step());
+      known = row.Text(0);
+    }
+  };
+  set("nobody");
+  const JobRecord claimed = ClaimAtA();
+  set("");
+  EXPECT_EQ(b().GetJob(claimed.id)->state, JobState::kRunning);
+  EXPECT_TRUE(a().SucceedJob(ClaimOf(claimed), {"done", {}, {}}).ok());
+}
+
 TEST_F(PostgresShared, CancelAndVersionsAreSeenAtTheOther) {
   ASSERT_TRUE(b().CreateJob(Job("a"), 10).ok());
   const JobRecord running = ClaimAtA();

@@ -1,7 +1,6 @@
 #include "server/storage/sql_store.h"
 
 #include <algorithm>
-#include <random>
 
 #include "core/base/sha256.h"
 #include "core/session/checksum.h"
@@ -18,17 +17,14 @@ constexpr std::chrono::seconds kCaretakerBeat(2), kCaretakerSure(10);
 
 }  // namespace
 
-std::string SqlStore::MakeOwnerId() {
-  std::random_device random;
-  return absl::StrFormat("%08x%08x%08x", random(), random(), random());
-}
-
 absl::StatusOr<std::unique_ptr<Database>> SqlStore::Open(const StoreOptions& options, std::unique_ptr<Engine> engine,
                                                          std::unique_ptr<Connection> connection) {
   RETURN_IF_ERROR(SealOldRows(*connection));
   ASSIGN_OR_RETURN(const std::chrono::microseconds up, ReadUpTime(*connection));
   std::unique_ptr<SqlStore> store(new SqlStore(options, up, std::move(engine), std::move(connection)));
-  ASSIGN_OR_RETURN(const std::vector<JobRecord> rescued, store->RescueJobs());
+  // Beside others a lease that is over may be one that its owner could not prolong, as the store was away for both: the
+  // job runner gives it time to.
+  ASSIGN_OR_RETURN(const std::vector<JobRecord> rescued, store->RescueJobsOnOpen());
   if (options.rescued) std::for_each(rescued.begin(), rescued.end(), options.rescued);
   RETURN_IF_ERROR(store->writer_.Run([](Connection& c) { return c.LetOthersIn(); }));
   return store;

@@ -25,6 +25,7 @@
 #include "server/storage/events.h"
 #include "server/storage/handed_tables.h"
 #include "server/storage/history.h"
+#include "server/storage/job_owner.h"
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
 #include "server/storage/marks.h"
@@ -142,12 +143,14 @@ class SqlStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::ListJobs(c, filter, page, visible); });
   }
   absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override {
-    return Write<std::optional<JobRecord>>(Growth::kStays,
-                                           [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
-                                             auto job = storage::ClaimJob(c, Owner(c), lease);
-                                             if (!job.ok() || !job->has_value()) return job;
-                                             return Told(c, kJobsChanged, std::move(job));
-                                           });
+    // Of a claim nobody outside hears who would rely on it: where it is lost with the server, the job waits as before,
+    // and what its worker says has no lease. The end of the job waits for the disk, and takes the claim with it.
+    const auto claim = [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
+      auto job = storage::ClaimJob(c, Owner(c), lease);
+      if (!job.ok() || !job->has_value()) return job;
+      return Told(c, kJobsChanged, std::move(job));
+    };
+    return Write<std::optional<JobRecord>>(Growth::kStays, claim, Writer::Durable::kSoon);
   }
   absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
     return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
@@ -191,6 +194,13 @@ class SqlStore final : public Database {
       auto rescued = storage::RescueJobs(c, Owner(c));
       if (!rescued.ok() || rescued->empty()) return rescued;
       return Told(c, kJobsChanged, std::move(rescued));
+    });
+  }
+  absl::StatusOr<std::vector<JobRecord>> ReturnJobs(const std::vector<JobClaim>& held) override {
+    return Write<std::vector<JobRecord>>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<std::vector<JobRecord>> {
+      auto returned = storage::ReturnJobs(c, Owner(c), held);
+      if (!returned.ok() || returned->empty()) return returned;
+      return Told(c, kJobsChanged, std::move(returned));
     });
   }
 
@@ -551,10 +561,9 @@ class SqlStore final : public Database {
         options_(options),
         up_at_open_(up),
         opened_at_(options.clock->SteadyNow()),
-        owner_id_(MakeOwnerId()),
+        owner_id_(NewOwnerId()),
         readers_([this] { return engine_->OpenReader(); }),
         writer_(std::move(connection), [this] { engine_->Between(); }) {}
-  static std::string MakeOwnerId();
   UtcTime Now() const { return options_.clock->UtcNow(); }
   std::chrono::microseconds UpTime() const {
     const auto here = options_.clock->SteadyNow() - opened_at_;
@@ -562,6 +571,13 @@ class SqlStore final : public Database {
            std::chrono::microseconds(up_of_others_us_);
   }
   Moment Present() const { return {Now(), UpTime().count()}; }
+  absl::StatusOr<std::vector<JobRecord>> RescueJobsOnOpen() {
+    return Write<std::vector<JobRecord>>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<std::vector<JobRecord>> {
+      if (engine_->is_shared()) RETURN_IF_ERROR(FallInStep(c));
+      if (c.has_others()) return std::vector<JobRecord>();
+      return storage::RescueJobs(c, Owner(c));
+    });
+  }
   JobOwner Owner(const Connection& connection) const {
     const auto steady = options_.clock->SteadyNow().time_since_epoch();
     const Moment now = Present();
@@ -589,15 +605,16 @@ class SqlStore final : public Database {
     return growth == Growth::kGrows ? engine_->CheckRoom() : absl::OkStatus();
   }
   template <typename T, typename Work>
-  absl::StatusOr<T> Write(Growth growth, const Work& work) {
+  absl::StatusOr<T> Write(Growth growth, const Work& work, Writer::Durable durable = Writer::Durable::kNow) {
     RETURN_IF_ERROR(CheckRoom(growth));
     std::optional<T> result;
-    RETURN_IF_ERROR(writer_.Run([&](Connection& connection) {
+    const auto run = [&](Connection& connection) {
       absl::StatusOr<T> made = work(connection);
       if (!made.ok()) return std::move(made).status();
       result = *std::move(made);
       return absl::OkStatus();
-    }));
+    };
+    RETURN_IF_ERROR(writer_.Run(run, durable));
     return *std::move(result);
   }
   // Whoever keeps house calls these now and then: a crash then loses little of the time that is counted.

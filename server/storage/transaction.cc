@@ -18,6 +18,12 @@ absl::Status Transaction::Commit() {
   return absl::OkStatus();
 }
 
+absl::Status Transaction::CommitSoon() {
+  RETURN_IF_ERROR(connection_->CommitSoon());
+  connection_ = nullptr;
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Savepoint> Savepoint::Begin(Connection& connection) {
   RETURN_IF_ERROR(connection.Run(kSavepoint));
   return Savepoint(connection);

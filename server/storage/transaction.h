@@ -21,6 +21,7 @@ class Transaction {
   Transaction& operator=(Transaction&&) = delete;
   ~Transaction();
   absl::Status Commit();
+  absl::Status CommitSoon();  // as Connection::CommitSoon()
 
  private:
   explicit Transaction(Connection& connection) : connection_(&connection) {}

@@ -38,18 +38,19 @@ Writer::~Writer() {
   thread_.join();
 }
 
-absl::Status Writer::Run(Work work) {
+absl::Status Writer::Run(Work work, Durable durable) {
   std::promise<absl::Status> promise;
   std::future<absl::Status> result = promise.get_future();
-  Start(std::move(work), [&promise](absl::Status status) { promise.set_value(std::move(status)); });
+  Start(
+      std::move(work), [&promise](absl::Status status) { promise.set_value(std::move(status)); }, durable);
   return result.get();
 }
 
-void Writer::Start(Work work, Done done) {
+void Writer::Start(Work work, Done done, Durable durable) {
   {
     const base::MutexLock lock(mutex_);
     while (waiting_.size() >= kMaxWaiting) changed_.Wait(mutex_);
-    waiting_.push_back({std::move(work), std::move(done), absl::OkStatus()});
+    waiting_.push_back({std::move(work), std::move(done), durable, absl::OkStatus()});
   }
   changed_.NotifyAll();
 }
@@ -90,7 +91,7 @@ void Writer::RunGroup(std::vector<Task>& group) {
 // Each task's own failure is in its result; the returned one undid them all.
 absl::Status Writer::RunTasks(std::vector<Task>& group) {
   ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(*connection_));
-  bool changed = false;
+  bool changed = false, waits = false;
   for (Task& task : group) {
     ASSIGN_OR_RETURN(Savepoint savepoint, Savepoint::Begin(*connection_));
     task.result = task.work(*connection_);
@@ -98,9 +99,10 @@ absl::Status Writer::RunTasks(std::vector<Task>& group) {
     if (connection_->was_undone()) return UndoneOr(task.result);
     if (task.result.ok()) RETURN_IF_ERROR(savepoint.Commit());
     changed = changed || task.result.ok();
+    waits = waits || (task.result.ok() && task.durable == Durable::kNow);
   }
   if (!changed) return absl::OkStatus();
-  return transaction.Commit();
+  return waits ? transaction.Commit() : transaction.CommitSoon();
 }
 
 }  // namespace axiscal::storage

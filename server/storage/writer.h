@@ -34,15 +34,18 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  // Durable when it returns OK.
-  absl::Status Run(Work work);
+  // kNow: durable when it is told as done. kSoon: shortly after (Connection::CommitSoon()), for what nobody is
+  // promised.
+  enum class Durable { kNow, kSoon };
+  absl::Status Run(Work work, Durable durable = Durable::kNow);
   // Blocks only while kMaxWaiting writes wait.
-  void Start(Work work, Done done);
+  void Start(Work work, Done done, Durable durable = Durable::kNow);
 
  private:
   struct Task {
     Work work;
     Done done;
+    Durable durable = Durable::kNow;
     absl::Status result;
   };
   static constexpr size_t kMaxWaiting = 256;

@@ -87,11 +87,10 @@ class TempDatabase {
     DEMAND(connection->Execute(drop).ok());
     return connection;
   }
-  // What is damaged in a store that is closed.
+  // What is damaged in a store that is closed (a file) or open or closed (of a server).
   CheckReport Check() const {
     if (url_.empty()) return *CheckStoreFile(path());
-    const std::unique_ptr<Connection> connection = Beside();
-    return CheckRows(*connection);
+    return *CheckStoreOnServer(url_);
   }
 
   base::FakeClock clock;
