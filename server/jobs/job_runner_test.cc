@@ -275,7 +275,9 @@ class LostOutcome : public JobRunnerTest {
     const std::unique_ptr<storage::Connection> beside = database.Beside();
     std::atomic<int> runs = 0, ends = 0;
     kinds["echo"].run = [&](const JobRecord& record, JobContext&) -> absl::StatusOr<JobProduct> {
-      if (++runs == 1) EXPECT_TRUE(beside->Execute(keep_out).ok());
+      if (++runs == 1) {
+        EXPECT_TRUE(beside->Execute(keep_out).ok());
+      }
       return JobProduct{record.params, {}, {}};
     };
     base::Mutex mutex;
