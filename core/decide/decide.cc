@@ -16,7 +16,6 @@
 #include "core/loop/moved_datum.h"
 #include "core/loop/nominal.h"
 #include "core/loop/same_always.h"
-#include "core/predict/over_poses.h"
 #include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
@@ -274,7 +273,6 @@ class Decider {
     identify::Options out;
     out.cancelled = options.cancelled;
     out.scale_uncertainties = true;
-    out.judge_clusters = true;
     out.profile_intervals = false;  // of fits on the way, which a model that misses bends
     return out;
   }
@@ -300,31 +298,15 @@ class Decider {
     return (is_told ? loop::EvidenceOf(ending.fit, term) : 0.0) - policy_.per_column * count;
   }
 
-  // What a correction of the effect does over the measured box, mm rms; 0 for constants, which are nominal data and may
-  // be off by much, and for what is corrected nowhere.
-  static double HiddenBy(const predict::OverPoses& over, const Ending& ending, size_t effect) {
-    const machine::ErrorTerm& term = ending.fit.result.model.terms[ending.extension.TermOf(effect)];
-    if (!machine::HasName(term) || std::holds_alternative<shapes::Constant>(term.shape)) return 0.0;
-    return predict::RmsOver(over.ErrorsOf({{term}}));
-  }
-
   // Takes off effects that the full fit does not tell, the faintest first: the linearised model had seen a trace of
-  // them, or one stood for what another was too large by, and the two would part where nothing was measured. Before
-  // these, what acts over the box many times as strongly as all that there was to explain: the fit has no prior of an
-  // effect's size, and where it moves a decay length an effect may hide between the readings (Policy::largest_hidden).
+  // them, or one stood for what another was too large by, and the two would part where nothing was measured.
   absl::Status DropUntold(Ending* ending, loop::Report* report) const {
-    const std::vector<MeasuringRun>& runs = ending->fit.problem.runs;
-    const predict::Box box = predict::MeasuredBox(runs);
-    const predict::BoxPoses poses(runs, predict::kBoxPoses, box);
-    std::optional<predict::OverPoses> over;
-    if (box.low != box.high) over.emplace(machine_, poses, runs.front().tip_mm);
     for (;;) {
       std::optional<size_t> faintest;
       double least = 0.0;
       for (size_t i = 0; i < ending->extension.effects.size(); ++i) {
         if (!IsTerm(ending->extension.effects[i].candidate.family)) continue;
-        const double hidden = over ? HiddenBy(*over, *ending, i) / report->fit_before.rms_mm : 0.0;
-        const double worth = hidden > policy_.largest_hidden ? -hidden : WorthOf(*ending, i);
+        const double worth = WorthOf(*ending, i);
         if (worth < least) faintest = i, least = worth;
       }
       if (!faintest) return absl::OkStatus();

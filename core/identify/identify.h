@@ -37,9 +37,6 @@ struct Options {
   // Fits errors that are held at zero where holding them biases others (gauge.h); where the problem is curved
   // (touches), checks each interval by its profile likelihood (profile_likelihood.h).
   bool profile_intervals = true;
-  // Multiplies the uncertainty of each number by the root of its design effect (cluster_steps.h): of models that may
-  // lack something.
-  bool judge_clusters = false;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
   int max_iterations = 20;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/identify/cluster_steps.h"
 #include "core/identify/curved_setup.h"
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
@@ -143,13 +142,6 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   if (options.profile_intervals) {
     curved = CurvedSetupCovariance(solved, judgement.covariance);
     judgement.covariance.errors.topLeftCorner(p, p) += UnseenCovariance(solved, judgement.covariance) + curved;
-  }
-  if (options.judge_clusters) {
-    const Eigen::VectorXd factor =
-        DesignEffects(solved, judgement.covariance.errors.diagonal().head(p), judgement.statistics.degrees_of_freedom)
-            .cwiseSqrt();
-    judgement.covariance.errors.topLeftCorner(p, p) =
-        factor.asDiagonal() * judgement.covariance.errors.topLeftCorner(p, p).eval() * factor.asDiagonal();
   }
   judgement.stated = AddStated(solved, &judgement.covariance);
   const Eigen::MatrixXd linear =

@@ -22,7 +22,7 @@ struct Policy {
   // Prior standard deviation of an effect's size in the rows, before set-ups and declared errors hide a part of it, as
   // a multiple of all that is left to explain (both root mean squares): what would have to act tens of times as
   // strongly as anything that is seen is less likely than a rival that need not, and would do so where nothing was
-  // measured. Of an effect as it was fitted, over the measured box, it is the most.
+  // measured.
   double largest_hidden = 10.0;
 
   // A column of which less than this share of its squares is left beyond the declared errors and set-ups is not seen.

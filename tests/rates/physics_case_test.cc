@@ -6,7 +6,6 @@
 
 #include "core/base/units.h"
 #include "core/identify/identify.h"
-#include "tests/rates/physics_score.h"
 
 namespace axiscal::rates {
 namespace {
@@ -46,12 +45,6 @@ TEST(PhysicsCase, DeclaredErrorsAreFoundWhereNothingElseIsWrong) {
   const auto fit = identify::Identify(nothing.machine, nothing.simulated.measured.fit);
   ASSERT_TRUE(fit.ok()) << fit.status();
   EXPECT_LT(ErrorOverBox(nothing, fit->model), 0.05 * ErrorOverBox(nothing, {}));
-}
-
-// A decay length that the last fit moves hid an error of millimetres between the readings, with a narrow interval.
-TEST(PhysicsCase, WhatHidesBetweenReadingsIsNotCorrected) {
-  const PhysicsScore score = JudgePhysics(DrawPhysics(Physics::kHysteresis, 681001), false);
-  EXPECT_LT(score.after_um, score.before_um) << score.text;
 }
 
 }  // namespace
