@@ -170,9 +170,9 @@ TEST_F(OnPostgres, WhatIsTheDatabaseServersIsSaidSo) {
   EXPECT_THAT(Log(), Not(HasSubstr(kPassword)));
 
   std::string output;
-  for (const char* const command : {"check", "compact"}) {
-    EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, command, url_}, &output), 1) << output;
-  }
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "compact", url_}, &output), 1) << output;
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "check", url_}, &output), 0) << output;
+  EXPECT_THAT(output, Not(HasSubstr(kPassword)));
   EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--db", url_, "--check-config"}, &output), 0);
   EXPECT_THAT(output, HasSubstr("store.database = postgresql://"));
   EXPECT_THAT(output, Not(HasSubstr(kPassword)));
