@@ -240,7 +240,9 @@ std::string HeldBackText(const reports::Loop& report) {
     absl::StrAppend(&text, "  ", held.subject,
                     held.kind == reports::HeldBackKind::kUndecided ? ": these sessions do not tell what it is"
                     : held.kind == reports::HeldBackKind::kNoGain  ? ": no gain over the box is certain"
-                                                                   : ": these sessions hardly tell how large it is",
+                    : held.kind == reports::HeldBackKind::kHidden
+                        ? ": over the box it does many times of all that the readings show"
+                        : ": these sessions hardly tell how large it is",
                     absl::StrFormat(" (probability %.2g)\n      %s\n", held.harm, held.measure));
   }
   return text;

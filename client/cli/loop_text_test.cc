@@ -64,7 +64,8 @@ TEST(LoopText, SaysWhatIsNotCorrected) {
   EXPECT_THAT(LoopText(report), Not(HasSubstr("not corrected")));
   report.held_back = {{reports::HeldBackKind::kUndecided, "EAC:harmonic(1)", 40.0, 0.31, "measure an R-test at 150 mm"},
                       {reports::HeldBackKind::kUncertain, "EXX:linear", 20.0, 0.08, "measure more of X"},
-                      {reports::HeldBackKind::kNoGain, "EYX:curve", 30.0, 0.01, "measure all of X"}};
+                      {reports::HeldBackKind::kNoGain, "EYX:curve", 30.0, 0.01, "measure all of X"},
+                      {reports::HeldBackKind::kHidden, "EBC:harmonic(1)", 90.0, 0.02, "measure more of C"}};
   EXPECT_THAT(LoopText(report),
               HasSubstr("found and not corrected, as the machine could be worse for it over the measured box, or "
                         "no gain is certain:\n"
@@ -73,7 +74,10 @@ TEST(LoopText, SaysWhatIsNotCorrected) {
                         "  EXX:linear: these sessions hardly tell how large it is (probability 0.08)\n"
                         "      measure more of X\n"
                         "  EYX:curve: no gain over the box is certain (probability 0.01)\n"
-                        "      measure all of X\n"));
+                        "      measure all of X\n"
+                        "  EBC:harmonic(1): over the box it does many times of all that the readings show "
+                        "(probability 0.02)\n"
+                        "      measure more of C\n"));
 }
 
 TEST(LoopText, SaysThatNominalDataAreWrong) {

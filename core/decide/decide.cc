@@ -8,6 +8,7 @@
 #include "core/base/units.h"
 #include "core/decide/effect_search.h"
 #include "core/decide/hold_back.h"
+#include "core/effects/catalogue.h"
 #include "core/identify/noise.h"
 #include "core/instruments/clock.h"
 #include "core/loop/check.h"
@@ -298,15 +299,33 @@ class Decider {
     return (is_told ? loop::EvidenceOf(ending.fit, term) : 0.0) - policy_.per_column * count;
   }
 
+  // Whether the full fit has left what machines have (effects::LargestErrorOf), which the search keeps to.
+  bool IsBeyondMachines(const Ending& ending, size_t effect) const {
+    const machine::ErrorTerm& term = ending.fit.point.model.terms[ending.extension.TermOf(effect)];
+    if (shapes::IsFree(term.shape)) return false;  // of these the prior is in the fit
+    const double most = effects::LargestErrorOf(ending.extension.effects[effect].candidate);
+    double basis[shapes::kMaxBasisCount];
+    for (const MeasuringRun& run : ending.fit.problem.runs) {
+      for (int k = 0; run.path_readings == nullptr && k < run.reading_count(); ++k) {
+        shapes::Basis(term.shape, run.StateOf(k), basis);
+        double error = 0.0;
+        for (int b = 0; b < shapes::BasisCount(term.shape); ++b) error += term.amplitude[b] * basis[b];
+        if (!(std::abs(error) <= most)) return true;
+      }
+    }
+    return false;
+  }
+
   // Takes off effects that the full fit does not tell, the faintest first: the linearised model had seen a trace of
-  // them, or one stood for what another was too large by, and the two would part where nothing was measured.
+  // them, or one stood for what another was too large by, and the two would part where nothing was measured; what is
+  // larger than machines have before all others.
   absl::Status DropUntold(Ending* ending, loop::Report* report) const {
     for (;;) {
       std::optional<size_t> faintest;
       double least = 0.0;
       for (size_t i = 0; i < ending->extension.effects.size(); ++i) {
         if (!IsTerm(ending->extension.effects[i].candidate.family)) continue;
-        const double worth = WorthOf(*ending, i);
+        const double worth = IsBeyondMachines(*ending, i) ? -INFINITY : WorthOf(*ending, i);
         if (worth < least) faintest = i, least = worth;
       }
       if (!faintest) return absl::OkStatus();

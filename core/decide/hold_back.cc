@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "core/loop/fitting.h"
+#include "core/predict/over_poses.h"
 
 namespace axiscal::decide {
 namespace {
@@ -25,6 +26,47 @@ Extension Without(Extension extension, std::vector<size_t> effects) {
   for (const size_t effect : effects)
     extension.effects.erase(extension.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   return extension;
+}
+
+// Whether a program or a table is corrected for it. What is not cleans the constants of what it takes up: structure
+// without a name, and curves of the time of the readings.
+bool IsCorrected(const machine::ErrorTerm& term) {
+  return machine::HasName(term) && !std::holds_alternative<shapes::TimeCurve>(term.shape);
+}
+
+// What the declared model leaves of the readings that the amplitudes are fitted to, mm rms.
+double LeftByDeclared(const loop::Report& report) {
+  const identify::FitStatistics &fit = report.fit_before, &check = report.check_before;
+  if (!report.is_check_fitted) return fit.rms_mm;
+  return std::sqrt((fit.readings * fit.rms_mm * fit.rms_mm + check.readings * check.rms_mm * check.rms_mm) /
+                   (fit.readings + check.readings));
+}
+
+// Of `effects`: those to take off, one by one, until the corrections for all others together do no more than this over
+// the measured box, mm rms; first the one without which that is least.
+std::vector<size_t> Hiding(const machine::Machine& machine, const Extension& extension, std::vector<size_t> effects,
+                           const identify::Fit& fit, double most_mm) {
+  const std::vector<instruments::MeasuringRun>& runs = fit.problem.runs;
+  const predict::BoxPoses poses(runs, predict::kBoxPoses);
+  const predict::OverPoses over(machine, poses, runs.front().tip_mm);
+  std::vector<Eigen::VectorXd> errors;
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(over.rows());
+  std::erase_if(effects, [&](size_t effect) { return !IsCorrected(fit.result.model.terms[extension.TermOf(effect)]); });
+  for (const size_t effect : effects) {
+    errors.push_back(over.ErrorsOf({{fit.result.model.terms[extension.TermOf(effect)]}}));
+    all += errors.back();
+  }
+  std::vector<size_t> out;
+  while (predict::RmsOver(all) > most_mm && !effects.empty()) {
+    std::vector<double> left;
+    for (const Eigen::VectorXd& one : errors) left.push_back(predict::RmsOver(all - one));
+    const auto least = std::min_element(left.begin(), left.end()) - left.begin();
+    out.push_back(effects[static_cast<size_t>(least)]);
+    all -= errors[static_cast<size_t>(least)];
+    effects.erase(effects.begin() + least);
+    errors.erase(errors.begin() + least);
+  }
+  return out;
 }
 
 }  // namespace
@@ -54,10 +96,9 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   const auto term_of = [&](size_t effect) -> const machine::ErrorTerm& {
     return fit.result.model.terms[extension.TermOf(effect)];
   };
-  const auto hold_back = [&](std::vector<size_t>::iterator effect, bool is_for_want_of_gain) {
+  const auto hold_back = [&](std::vector<size_t>::iterator effect, loop::HeldBack::Why why) {
     const machine::ErrorTerm& term = term_of(*effect);
-    if (machine::HasName(term))
-      report->held_back.push_back({term, extension.effects[*effect].score, harm, is_for_want_of_gain});
+    if (machine::HasName(term)) report->held_back.push_back({term, extension.effects[*effect].score, harm, why});
     terms.push_back(extension.TermOf(*effect));
     out.push_back(*effect);
     kept.erase(effect);
@@ -68,6 +109,10 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     harm = odds->ProbabilityOf(worse, report->fitted.model);
     return absl::OkStatus();
   };
+  const std::vector<size_t> hiding =
+      Hiding(machine, extension, kept, fit, policy.largest_hidden * LeftByDeclared(*report));
+  for (const size_t effect : hiding) hold_back(std::find(kept.begin(), kept.end(), effect), loop::HeldBack::kHidden);
+  if (!hiding.empty()) RETURN_IF_ERROR(fit_again());
   while (harm > policy.harm_probability && !kept.empty()) {
     do {
       const auto without = [&](size_t effect) {
@@ -79,7 +124,7 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
       for (const size_t effect : kept) left.push_back(without(effect));
       const auto least = std::min_element(left.begin(), left.end());
       const double harm_without = *least;
-      hold_back(kept.begin() + (least - left.begin()), false);
+      hold_back(kept.begin() + (least - left.begin()), loop::HeldBack::kHarm);
       harm = harm_without;
     } while (harm > policy.harm_probability && !kept.empty());
     RETURN_IF_ERROR(fit_again());
@@ -92,14 +137,10 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   };
   take_figures();
   // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the
-  // interval holds. What is corrected nowhere stays, as it cleans the constants of what it takes up: structure without
-  // a name, and curves of the time of the readings.
-  std::erase_if(kept, [&](size_t effect) {
-    const machine::ErrorTerm& term = term_of(effect);
-    return !machine::HasName(term) || std::holds_alternative<shapes::TimeCurve>(term.shape);
-  });
+  // interval holds.
+  std::erase_if(kept, [&](size_t effect) { return !IsCorrected(term_of(effect)); });
   if (!report->volumetric->is_gain_held && !kept.empty()) {
-    while (!kept.empty()) hold_back(kept.begin(), true);
+    while (!kept.empty()) hold_back(kept.begin(), loop::HeldBack::kNoGain);
     RETURN_IF_ERROR(fit_again());
     take_figures();
   }

@@ -219,22 +219,8 @@ class Builder {
     return machine::IsAngle(term.component) ? kMostRad : kMostMm;
   }
 
-  // An amplitude that no machine has: with one, a column that is nearly explained would fit anything.
   static double LargestAmplitudeOf(const Candidate& one, double largest_value) {
-    const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
-    constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
-    const bool is_play =
-        one.family == Family::kBacklash || one.family == Family::kReversal || one.family == Family::kHysteresis;
-    constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
-    constexpr double kWarmMm = 0.5, kWarmRad = 2e-3;  // of what warms up late: beyond, it is a lag longer than the data
-    const bool is_warm = one.family == Family::kThermalLag;
-    const double most_mm = is_large ? kFarOffMm : is_warm ? kWarmMm : is_play ? kPlayMm : identify::kLargestErrorMm;
-    const double most_rad = is_large  ? kFarOffRad
-                            : is_warm ? kWarmRad
-                            : is_play ? kPlayRad
-                                      : identify::kLargestErrorRad;
-    const double most = machine::IsAngle(one.term.component) ? most_rad : most_mm;
-    return largest_value > 0.0 ? most / largest_value : INFINITY;
+    return largest_value > 0.0 ? LargestErrorOf(one) / largest_value : INFINITY;
   }
 
   void AddAtJoint(Family family, int joint, const shapes::Shape& shape, std::vector<Candidate>* candidates) const {
@@ -537,6 +523,22 @@ class Builder {
 };
 
 }  // namespace
+
+double LargestErrorOf(const loop::Candidate& one) {
+  const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
+  constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
+  const bool is_play =
+      one.family == Family::kBacklash || one.family == Family::kReversal || one.family == Family::kHysteresis;
+  constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
+  constexpr double kWarmMm = 0.5, kWarmRad = 2e-3;  // of what warms up late: beyond, it is a lag longer than the data
+  const bool is_warm = one.family == Family::kThermalLag;
+  const double most_mm = is_large ? kFarOffMm : is_warm ? kWarmMm : is_play ? kPlayMm : identify::kLargestErrorMm;
+  const double most_rad = is_large  ? kFarOffRad
+                          : is_warm ? kWarmRad
+                          : is_play ? kPlayRad
+                                    : identify::kLargestErrorRad;
+  return machine::IsAngle(one.term.component) ? most_rad : most_mm;
+}
 
 Catalogue MakeCatalogue(const Linearised& linearised, const machine::ErrorModel& declared,
                         const std::vector<Candidate>& known, const std::vector<loop::BadRow>& bad_rows,

@@ -27,6 +27,10 @@ struct Catalogue {
 // Families of the objective beyond those of loop::Family.
 inline constexpr int kToolSlipFamily = 100, kBadRowFamily = 101;
 
+// An error, mm or rad, that no machine in use has of this kind in any reading: with one, a column that is nearly
+// explained would fit anything.
+double LargestErrorOf(const loop::Candidate& one);
+
 // `known`: effects as they were fitted; of what is no different from one of them there is no other group. `declared`:
 // the model without effects. Of thinned rows (thinned.h): what they tell, no bad rows. `thinned`: beside what is known,
 // only what these do not tell, slips (at their very readings) and bad rows. Everything must outlive the result.

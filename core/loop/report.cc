@@ -171,8 +171,11 @@ reports::HeldBack HeldBackOf(const machine::Machine& machine, const Report& foun
   reports::HeldBack out{.subject = machine::NameOf(machine, held.term), .evidence = held.evidence, .harm = held.harm};
   const bool is_undecided = std::any_of(found.choices.begin(), found.choices.end(),
                                         [&](const predict::OpenChoice& choice) { return choice.name == out.subject; });
-  if (is_undecided) out.kind = reports::HeldBackKind::kUndecided;
-  if (held.is_for_want_of_gain && !is_undecided) out.kind = reports::HeldBackKind::kNoGain;
+  if (is_undecided) {
+    out.kind = reports::HeldBackKind::kUndecided;
+  } else if (held.why != HeldBack::kHarm) {
+    out.kind = held.why == HeldBack::kHidden ? reports::HeldBackKind::kHidden : reports::HeldBackKind::kNoGain;
+  }
   std::vector<std::string> tests;
   for (const Proposal& proposal : found.next_measurement)
     if (!proposal.test.empty() && IsSameEffect(proposal.effect, held.term)) tests.push_back(proposal.text);

@@ -35,6 +35,10 @@ struct Workspace {
   double temperature_celsius = 20.0;
 };
 
+// Poses that stand for a box: the mean square over it is off by about 1 / sqrt(poses) of the spread of the squares, 3 %
+// of the root.
+inline constexpr int kBoxPoses = 400;
+
 // Poses in a box, each with the state that the machine is in there. The same arguments give the same poses.
 class BoxPoses {
  public:

@@ -15,8 +15,6 @@ namespace {
 
 using instruments::MeasuringRun;
 
-// The mean square over the box is off by about 1 / sqrt(poses) of the spread of the squares: 3 % of the root.
-constexpr int kPoses = 400;
 // The ends of a 95 % interval are drawn to about 2 % of its width.
 constexpr int kDraws = 4000;
 constexpr uint64_t kSeed = 230;
@@ -47,19 +45,19 @@ class BoxOdds::Drawn {
 
   Drawn(const machine::Machine& machine, const std::vector<MeasuringRun>& runs, const machine::ErrorModel& before,
         machine::KnownErrors found, const std::vector<OpenChoice>& choices)
-      : poses_(runs, kPoses, MeasuredBox(runs)),
+      : poses_(runs, kBoxPoses, MeasuredBox(runs)),
         over_(machine, poses_, runs.front().tip_mm),
         found_(std::move(found)),
         found_mm_(over_.ErrorsOf(found_.model)),
         by_number_(over_.Left(over_.ByNumber(found_))),
         uncertain_(by_number_ * found_.covariance.root),
         choices_(over_, choices) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain_.transpose() * uncertain_ / kPoses);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain_.transpose() * uncertain_ / kBoxPoses);
     axes_ = eigen.eigenvectors();
     const Eigen::VectorXd squares = eigen.eigenvalues().cwiseMax(0.0);
-    scatter_ = choices_.scatter() / kPoses + squares.sum();
-    const Eigen::MatrixXd of_choices = axes_.transpose() * (uncertain_.transpose() * choices_.columns()) / kPoses;
-    const Eigen::MatrixXd choices_gram = choices_.columns().transpose() * choices_.columns() / kPoses;
+    scatter_ = choices_.scatter() / kBoxPoses + squares.sum();
+    const Eigen::MatrixXd of_choices = axes_.transpose() * (uncertain_.transpose() * choices_.columns()) / kBoxPoses;
+    const Eigen::MatrixXd choices_gram = choices_.columns().transpose() * choices_.columns() / kBoxPoses;
     z_.resize(uncertain_.cols(), kDraws);
     acts_.resize(choices_.columns().cols(), kDraws);
     squares_.resize(kDraws);
@@ -85,11 +83,11 @@ class BoxOdds::Drawn {
   // Where errors over the poses are corrected.
   Left LeftBy(const Eigen::VectorXd& corrected_mm) const {
     const Eigen::VectorXd off = found_mm_ - corrected_mm;
-    const Eigen::VectorXd by_z = axes_.transpose() * (uncertain_.transpose() * off) / kPoses,
-                          by_acts = choices_.columns().transpose() * off / kPoses;
-    const Eigen::VectorXd squares =
-        (squares_ + 2.0 * (z_.transpose() * by_z + acts_.transpose() * by_acts)).array() + off.squaredNorm() / kPoses;
-    Left left{std::sqrt((off + choices_.mean()).squaredNorm() / kPoses + scatter_), {}};
+    const Eigen::VectorXd by_z = axes_.transpose() * (uncertain_.transpose() * off) / kBoxPoses,
+                          by_acts = choices_.columns().transpose() * off / kBoxPoses;
+    const Eigen::VectorXd squares = (squares_ + 2.0 * (z_.transpose() * by_z + acts_.transpose() * by_acts)).array() +
+                                    off.squaredNorm() / kBoxPoses;
+    Left left{std::sqrt((off + choices_.mean()).squaredNorm() / kBoxPoses + scatter_), {}};
     for (const double square : squares) left.rms_mm.push_back(std::sqrt(std::max(0.0, square)));
     return left;
   }
@@ -236,7 +234,7 @@ double BoxOdds::ProbabilityWithout(const std::vector<int>& terms, const Worse& w
 VolumetricError BoxOdds::Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown) const {
   VolumetricError out;
   out.box = drawn_->box();
-  out.poses = kPoses;
+  out.poses = kBoxPoses;
   out.weakest = drawn_->Weakest();
   out.undecided = drawn_->Undecided();
   const OverPoses& over = drawn_->over();

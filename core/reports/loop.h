@@ -52,9 +52,9 @@ struct Cause {
 };
 
 // An effect that was found and is not corrected, as the machine could be worse for it over the measured box: the
-// readings do not tell well enough how large it is (uncertain), or what it is (undecided); or as all that was found
-// promises no gain there (no gain).
-enum class HeldBackKind { kUncertain, kUndecided, kNoGain };
+// readings do not tell well enough how large it is (uncertain), or what it is (undecided), or it does there many times
+// of all that they show (hidden); or as all that was found promises no gain there (no gain).
+enum class HeldBackKind { kUncertain, kUndecided, kNoGain, kHidden };
 struct HeldBack {
   HeldBackKind kind = HeldBackKind::kUncertain;
   std::string subject = {};     // name of the effect

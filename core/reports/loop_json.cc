@@ -24,7 +24,7 @@ const char* const* WordsOf(CauseKind) {
 }
 
 const char* const* WordsOf(HeldBackKind) {
-  static constexpr const char* kWords[] = {"uncertain", "undecided", "no-gain", nullptr};
+  static constexpr const char* kWords[] = {"uncertain", "undecided", "no-gain", "hidden", nullptr};
   return kWords;
 }
 

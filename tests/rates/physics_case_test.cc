@@ -6,6 +6,7 @@
 
 #include "core/base/units.h"
 #include "core/identify/identify.h"
+#include "tests/rates/physics_score.h"
 
 namespace axiscal::rates {
 namespace {
@@ -45,6 +46,19 @@ TEST(PhysicsCase, DeclaredErrorsAreFoundWhereNothingElseIsWrong) {
   const auto fit = identify::Identify(nothing.machine, nothing.simulated.measured.fit);
   ASSERT_TRUE(fit.ok()) << fit.status();
   EXPECT_LT(ErrorOverBox(nothing, fit->model), 0.05 * ErrorOverBox(nothing, {}));
+}
+
+// A decay length that the last fit moves: an error of millimetres in readings that hardly see it, with a narrow
+// interval.
+TEST(PhysicsCase, WhatNoMachineHasIsTakenOff) {
+  const PhysicsScore score = JudgePhysics(DrawPhysics(Physics::kHysteresis, 681001), false);
+  EXPECT_LT(score.after_um, score.before_um) << score.text;
+}
+
+// Warmth that acts 3 um over the box, where the readings show 0.2 um.
+TEST(PhysicsCase, WhatMostlyHidesIsNotCorrected) {
+  const PhysicsScore score = JudgePhysics(DrawPhysics(Physics::kHeat, 701005), false);
+  EXPECT_LT(score.after_um, 1.1 * score.before_um) << score.text;
 }
 
 }  // namespace
