@@ -207,6 +207,8 @@ const kTodo: Record<string, string> = {
   "not-repeatable": "die Ursache suchen und noch einmal messen:",
   uncertain: "genauer messen:",
   undecided: "messen, was die Deutungen trennt:",
+  "no-gain": "genauer messen:",
+  hidden: "messen, wo die Wirkung groß ist:",
 };
 export const todoSaid = (kind: string): string | undefined => (isGerman() ? kTodo[kind] : undefined);
 
