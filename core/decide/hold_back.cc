@@ -7,6 +7,7 @@
 
 #include "core/loop/fitting.h"
 #include "core/predict/over_poses.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
 namespace {
@@ -32,6 +33,46 @@ Extension Without(Extension extension, std::vector<size_t> effects) {
 // without a name, and curves of the time of the readings.
 bool IsCorrected(const machine::ErrorTerm& term) {
   return machine::HasName(term) && !std::holds_alternative<shapes::TimeCurve>(term.shape);
+}
+
+// Root mean square of a term in the readings at moments, mm or rad.
+double RmsInReadings(const std::vector<instruments::MeasuringRun>& runs, const machine::ErrorTerm& term) {
+  double squares = 0.0, basis[shapes::kMaxBasisCount];
+  int count = 0;
+  for (const instruments::MeasuringRun& run : runs) {
+    for (int k = 0; run.path_readings == nullptr && k < run.reading_count(); ++k, ++count) {
+      shapes::Basis(term.shape, run.StateOf(k), basis);
+      double error = 0.0;
+      for (int b = 0; b < shapes::BasisCount(term.shape); ++b) error += term.amplitude[b] * basis[b];
+      squares += error * error;
+    }
+  }
+  return count == 0 ? 0.0 : std::sqrt(squares / count);
+}
+
+// Of `effects`: those of an axis' motion that an acceleration of that axis, at the same component, outweighs in the
+// readings. What an axis does between readings where it sets off, stops and turns is not known, so that an acceleration
+// from differences of positions is off by as much as it is large, and leaves what reads like lost motion or a lag.
+std::vector<size_t> OfAccelerations(const Extension& extension, const std::vector<size_t>& effects,
+                                    const identify::Fit& fit) {
+  const auto term_of = [&](size_t effect) -> const machine::ErrorTerm& {
+    return fit.result.model.terms[extension.TermOf(effect)];
+  };
+  std::vector<size_t> out;
+  for (const size_t one : effects) {
+    const machine::ErrorTerm& acceleration = term_of(one);
+    if (!std::holds_alternative<shapes::Acceleration>(acceleration.shape)) continue;
+    const double rms = RmsInReadings(fit.problem.runs, acceleration);
+    for (const size_t other : effects) {
+      const machine::ErrorTerm& term = term_of(other);
+      if (other != one && shapes::IsOfMotion(term.shape) &&
+          shapes::VariableAxis(term.shape) == shapes::VariableAxis(acceleration.shape) &&
+          term.joint == acceleration.joint && term.component == acceleration.component &&
+          RmsInReadings(fit.problem.runs, term) < rms)
+        out.push_back(other);
+    }
+  }
+  return out;
 }
 
 // What the declared model leaves of the readings that the amplitudes are fitted to, mm rms.
@@ -109,10 +150,14 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     harm = odds->ProbabilityOf(worse, report->fitted.model);
     return absl::OkStatus();
   };
-  const std::vector<size_t> hiding =
-      Hiding(machine, extension, kept, fit, policy.largest_hidden * LeftByDeclared(*report));
-  for (const size_t effect : hiding) hold_back(std::find(kept.begin(), kept.end(), effect), loop::HeldBack::kHidden);
-  if (!hiding.empty()) RETURN_IF_ERROR(fit_again());
+  const auto hold_back_all = [&](const std::vector<size_t>& effects, loop::HeldBack::Why why) -> absl::Status {
+    for (const size_t effect : effects) hold_back(std::find(kept.begin(), kept.end(), effect), why);
+    return effects.empty() ? absl::OkStatus() : fit_again();
+  };
+  RETURN_IF_ERROR(hold_back_all(OfAccelerations(extension, kept, fit), loop::HeldBack::kUndecided));
+  const double shown_mm = LeftByDeclared(*report);
+  RETURN_IF_ERROR(
+      hold_back_all(Hiding(machine, extension, kept, fit, policy.largest_hidden * shown_mm), loop::HeldBack::kHidden));
   while (harm > policy.harm_probability && !kept.empty()) {
     do {
       const auto without = [&](size_t effect) {

@@ -10,7 +10,8 @@
 
 namespace axiscal::decide {
 
-// `fit`: of the extension, as it was described in the report. Where the corrections together do more over the measured
+// `fit`: of the extension, as it was described in the report. Takes off what an acceleration of its axis could leave.
+// Where the corrections together do more over the measured
 // box than Policy::largest_hidden times what the declared model leaves of the readings, takes off effects until they do
 // not, first the one without which that is least. Where then a machine corrected for it could be worse over the
 // measured box than one corrected for constants alone, declared or found (Policy::harm_probability), takes off effects

@@ -166,21 +166,25 @@ reports::Fitted FittedOf(const Report& found) {
   return fitted;
 }
 
-// Undecided where the readings do not tell it from others that were fitted in its place, whatever it was held back for.
+// Undecided too where the readings do not tell it from others that were fitted in its place, whatever it was held back
+// for.
 reports::HeldBack HeldBackOf(const machine::Machine& machine, const Report& found, const HeldBack& held) {
   reports::HeldBack out{.subject = machine::NameOf(machine, held.term), .evidence = held.evidence, .harm = held.harm};
   const bool is_undecided = std::any_of(found.choices.begin(), found.choices.end(),
                                         [&](const predict::OpenChoice& choice) { return choice.name == out.subject; });
-  if (is_undecided) {
-    out.kind = reports::HeldBackKind::kUndecided;
-  } else if (held.why != HeldBack::kHarm) {
-    out.kind = held.why == HeldBack::kHidden ? reports::HeldBackKind::kHidden : reports::HeldBackKind::kNoGain;
-  }
+  constexpr reports::HeldBackKind kKinds[] = {reports::HeldBackKind::kUncertain, reports::HeldBackKind::kUndecided,
+                                              reports::HeldBackKind::kHidden,
+                                              reports::HeldBackKind::kNoGain};  // in the order of HeldBack::Why
+  out.kind = is_undecided ? reports::HeldBackKind::kUndecided : kKinds[held.why];
   std::vector<std::string> tests;
   for (const Proposal& proposal : found.next_measurement)
     if (!proposal.test.empty() && IsSameEffect(proposal.effect, held.term)) tests.push_back(proposal.text);
   if (is_undecided && !tests.empty()) {
     out.measure = absl::StrCat("measure ", absl::StrJoin(tests, ", then "));
+  } else if (held.why == HeldBack::kUndecided) {
+    out.measure =
+        absl::StrCat("it could be what an acceleration of ", machine.axes[*shapes::VariableAxis(held.term.shape)].name,
+                     " leaves: read more often where that axis sets off, stops and turns");
   } else {
     out.measure = "measure more poses, spread over the whole box";
     if (const std::optional<int> axis = shapes::VariableAxis(held.term.shape))

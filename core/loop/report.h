@@ -49,7 +49,7 @@ struct Cause {
 // An effect that was found and is not corrected: the machine could be worse for it where the sessions do not tell what
 // it does, it does many times of all that the readings show where nothing was read, or no gain is held.
 struct HeldBack {
-  enum Why { kHarm, kHidden, kNoGain };
+  enum Why { kHarm, kUndecided, kHidden, kNoGain };  // kUndecided: an acceleration could leave it
   machine::ErrorTerm term;
   double evidence = 0.0;  // score when it was found
   double harm = 0.0;      // probability of being worse, with this effect and those that were held back after it
