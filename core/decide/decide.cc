@@ -304,16 +304,7 @@ class Decider {
     const machine::ErrorTerm& term = ending.fit.point.model.terms[ending.extension.TermOf(effect)];
     if (shapes::IsFree(term.shape)) return false;  // of these the prior is in the fit
     const double most = effects::LargestErrorOf(ending.extension.effects[effect].candidate);
-    double basis[shapes::kMaxBasisCount];
-    for (const MeasuringRun& run : ending.fit.problem.runs) {
-      for (int k = 0; run.path_readings == nullptr && k < run.reading_count(); ++k) {
-        shapes::Basis(term.shape, run.StateOf(k), basis);
-        double error = 0.0;
-        for (int b = 0; b < shapes::BasisCount(term.shape); ++b) error += term.amplitude[b] * basis[b];
-        if (!(std::abs(error) <= most)) return true;
-      }
-    }
-    return false;
+    return !(loop::InReadings(ending.fit.problem.runs, term).largest <= most);
   }
 
   // Takes off effects that the full fit does not tell, the faintest first: the linearised model had seen a trace of

@@ -35,21 +35,6 @@ bool IsCorrected(const machine::ErrorTerm& term) {
   return machine::HasName(term) && !std::holds_alternative<shapes::TimeCurve>(term.shape);
 }
 
-// Root mean square of a term in the readings at moments, mm or rad.
-double RmsInReadings(const std::vector<instruments::MeasuringRun>& runs, const machine::ErrorTerm& term) {
-  double squares = 0.0, basis[shapes::kMaxBasisCount];
-  int count = 0;
-  for (const instruments::MeasuringRun& run : runs) {
-    for (int k = 0; run.path_readings == nullptr && k < run.reading_count(); ++k, ++count) {
-      shapes::Basis(term.shape, run.StateOf(k), basis);
-      double error = 0.0;
-      for (int b = 0; b < shapes::BasisCount(term.shape); ++b) error += term.amplitude[b] * basis[b];
-      squares += error * error;
-    }
-  }
-  return count == 0 ? 0.0 : std::sqrt(squares / count);
-}
-
 // Of `effects`: those of an axis' motion that an acceleration of that axis, at the same component, outweighs in the
 // readings. What an axis does between readings where it sets off, stops and turns is not known, so that an acceleration
 // from differences of positions is off by as much as it is large, and leaves what reads like lost motion or a lag.
@@ -62,13 +47,13 @@ std::vector<size_t> OfAccelerations(const Extension& extension, const std::vecto
   for (const size_t one : effects) {
     const machine::ErrorTerm& acceleration = term_of(one);
     if (!std::holds_alternative<shapes::Acceleration>(acceleration.shape)) continue;
-    const double rms = RmsInReadings(fit.problem.runs, acceleration);
+    const double rms = loop::InReadings(fit.problem.runs, acceleration).rms;
     for (const size_t other : effects) {
       const machine::ErrorTerm& term = term_of(other);
       if (other != one && shapes::IsOfMotion(term.shape) &&
           shapes::VariableAxis(term.shape) == shapes::VariableAxis(acceleration.shape) &&
           term.joint == acceleration.joint && term.component == acceleration.component &&
-          RmsInReadings(fit.problem.runs, term) < rms)
+          loop::InReadings(fit.problem.runs, term).rms < rms)
         out.push_back(other);
     }
   }
@@ -84,7 +69,7 @@ double LeftByDeclared(const loop::Report& report) {
 }
 
 // Of `effects`: those to take off, one by one, until the corrections for all others together do no more than this over
-// the measured box, mm rms; first the one without which that is least.
+// the measured box, mm rms; first the one without which that is least. All as large as in `fit`.
 std::vector<size_t> Hiding(const machine::Machine& machine, const Extension& extension, std::vector<size_t> effects,
                            const identify::Fit& fit, double most_mm) {
   const std::vector<instruments::MeasuringRun>& runs = fit.problem.runs;

@@ -49,6 +49,22 @@ double SquaresOf(const Fit& fit) {
   return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
 }
 
+InReadings::InReadings(const std::vector<instruments::MeasuringRun>& runs, const machine::ErrorTerm& term) {
+  double squares = 0.0, basis[shapes::kMaxBasisCount];
+  int count = 0;
+  for (const instruments::MeasuringRun& run : runs) {
+    for (int k = 0; run.path_readings == nullptr && k < run.reading_count(); ++k, ++count) {
+      shapes::Basis(term.shape, run.StateOf(k), basis);
+      double error = 0.0;
+      for (int b = 0; b < shapes::BasisCount(term.shape); ++b) error += term.amplitude[b] * basis[b];
+      squares += error * error;
+      largest = std::max(largest, std::abs(error));
+    }
+  }
+  if (std::isnan(squares)) largest = squares;
+  if (count > 0) rms = std::sqrt(squares / count);
+}
+
 double EvidenceOf(const Fit& fit, int term) {
   const machine::ErrorModel& model = fit.result.model;
   const machine::WrittenCovariance& known = fit.result.covariance;

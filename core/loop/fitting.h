@@ -23,6 +23,13 @@ double SquaresOf(const identify::Fit& fit);
 // time constant kept.
 double EvidenceOf(const identify::Fit& fit, int term);
 
+// How large a term is in the readings at moments, mm or rad: root mean square and largest; those along a path have no
+// moment. NaN where an amplitude is.
+struct InReadings {
+  InReadings(const std::vector<instruments::MeasuringRun>& runs, const machine::ErrorTerm& term);
+  double rms = 0.0, largest = 0.0;
+};
+
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_FITTING_H_
