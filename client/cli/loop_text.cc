@@ -237,13 +237,20 @@ std::string HeldBackText(const reports::Loop& report) {
   std::string text =
       "found and not corrected, as the machine could be worse for it over the measured box, or no gain is certain:\n";
   for (const reports::HeldBack& held : report.held_back) {
-    absl::StrAppend(&text, "  ", held.subject,
-                    held.kind == reports::HeldBackKind::kUndecided ? ": these sessions do not tell what it is"
-                    : held.kind == reports::HeldBackKind::kNoGain  ? ": no gain over the box is certain"
-                    : held.kind == reports::HeldBackKind::kHidden
-                        ? ": over the box it does many times of all that the readings show"
-                        : ": these sessions hardly tell how large it is",
-                    absl::StrFormat(" (probability %.2g)\n      %s\n", held.harm, held.measure));
+    const auto why = [&]() -> std::string {
+      switch (held.kind) {
+        case reports::HeldBackKind::kNoGain:
+          return "no gain over the box is certain";
+        case reports::HeldBackKind::kHidden:
+          return "over the box it does many times of all that the readings show";
+        case reports::HeldBackKind::kUndecided:
+          return absl::StrFormat("these sessions do not tell what it is (worse with probability %.2g)", held.harm);
+        case reports::HeldBackKind::kUncertain:
+          break;
+      }
+      return absl::StrFormat("these sessions hardly tell how large it is (worse with probability %.2g)", held.harm);
+    };
+    absl::StrAppend(&text, "  ", held.subject, ": ", why(), "\n      ", held.measure, "\n");
   }
   return text;
 }
