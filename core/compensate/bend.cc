@@ -93,10 +93,14 @@ Bend BendOfCrossed(const shapes::Crossed& crossed, const ErrorTerm& term, const 
   const double travel = std::abs(to[crossed.axis] - from[crossed.axis]);
   const double other_travel = std::abs(to[crossed.second_axis] - from[crossed.second_axis]);
   Bend bend;
-  for (int i = 0; i < crossed.each * crossed.each; ++i) {
+  const auto largest_of = [](const shapes::Span& span, int function) {
+    constexpr Bend kOfConstant{.size = 1.0};
+    return function < 0 ? kOfConstant : LargestOf(span, span.OrderOf(function, shapes::Crossed::kFirst));
+  };
+  for (int i = 0; i < crossed.Count(); ++i) {
     const double a = std::abs(term.amplitude[i]);
-    const Bend one = LargestOf(crossed.span, crossed.span.OrderOf(i / crossed.each, shapes::Crossed::kFirst));
-    const Bend other = LargestOf(crossed.second, crossed.second.OrderOf(i % crossed.each, shapes::Crossed::kFirst));
+    const Bend one = largest_of(crossed.span, crossed.OfFirst(i));
+    const Bend other = largest_of(crossed.second, crossed.OfSecond(i));
     bend.size += a * one.size * other.size;
     bend.slope += a * (one.slope * travel * other.size + one.size * other.slope * other_travel);
     bend.curvature +=

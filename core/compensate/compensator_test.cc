@@ -310,6 +310,8 @@ TEST(Compensator, FreeCurvesAreTakenOutAndATimeCurveIsNotCarried) {
       {"symbol": "EZX", "shape": "curve", "from_mm": -200, "to_mm": 150, "amplitudes": [30, -20, 15, 4]},
       {"symbol": "EBC", "shape": "curve", "amplitudes": [50, -20, 10, 5]},
       {"symbol": "EYX", "shape": "crossed", "over": "C", "from_mm": -200, "to_mm": 150, "amplitudes": [9, 4, 3, 2]},
+      {"symbol": "EXX", "shape": "crossed", "over": "C", "from_mm": -200, "to_mm": 150,
+       "amplitudes": [9, 4, 3, 2, 5, -3, 1, 2]},
       {"symbol": "EZT", "shape": "time-curve", "from_s": 0, "to_s": 900, "amplitudes": [9]},
       {"symbol": "EXT", "shape": "thermal-lag", "channel": "T_bed_C", "tau_s": 900, "amplitude": 2}]})",
                                           machine);

@@ -233,8 +233,10 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
     starts[0].state.push_back({group, variance});
   }
   // A block of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
-  // refined: at first the plain names are followed by themselves, too.
-  if (is_first) starts.push_back({{}, {static_cast<int>(Family::kCurve), static_cast<int>(Family::kCrossed)}});
+  // refined, and one of two axes before those of one: at first all others are followed by themselves, too.
+  if (is_first) {
+    for (const Family family : {Family::kCurve, Family::kCrossed}) starts.push_back({{}, {static_cast<int>(family)}});
+  }
   const objective::Found found = searcher.Search(starts);
   if (first != nullptr) Rank(scorer, design, catalogue, first);
   const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {

@@ -7,7 +7,6 @@
 
 #include "core/loop/fitting.h"
 #include "core/predict/over_poses.h"
-#include "core/shapes/depends_on.h"
 
 namespace axiscal::decide {
 namespace {
@@ -35,9 +34,10 @@ bool IsCorrected(const machine::ErrorTerm& term) {
   return machine::HasName(term) && !std::holds_alternative<shapes::TimeCurve>(term.shape);
 }
 
-// Of `effects`: those of an axis' motion that an acceleration of that axis, at the same component, outweighs in the
-// readings. What an axis does between readings where it sets off, stops and turns is not known, so that an acceleration
-// from differences of positions is off by as much as it is large, and leaves what reads like lost motion or a lag.
+// Of `effects`: those of the component of an acceleration that this outweighs in the readings, on the whole or at its
+// largest. What an axis does between readings where it sets off, stops and turns is not known, so that an acceleration
+// from differences of positions is off by as much as it is large, and leaves what reads like lost motion, a lag or an
+// error of the positions where it does so.
 std::vector<size_t> OfAccelerations(const Extension& extension, const std::vector<size_t>& effects,
                                     const identify::Fit& fit) {
   const auto term_of = [&](size_t effect) -> const machine::ErrorTerm& {
@@ -47,14 +47,12 @@ std::vector<size_t> OfAccelerations(const Extension& extension, const std::vecto
   for (const size_t one : effects) {
     const machine::ErrorTerm& acceleration = term_of(one);
     if (!std::holds_alternative<shapes::Acceleration>(acceleration.shape)) continue;
-    const double rms = loop::InReadings(fit.problem.runs, acceleration).rms;
+    const auto of_acceleration = loop::InReadings(fit.problem.runs, acceleration);
     for (const size_t other : effects) {
       const machine::ErrorTerm& term = term_of(other);
-      if (other != one && shapes::IsOfMotion(term.shape) &&
-          shapes::VariableAxis(term.shape) == shapes::VariableAxis(acceleration.shape) &&
-          term.joint == acceleration.joint && term.component == acceleration.component &&
-          loop::InReadings(fit.problem.runs, term).rms < rms)
-        out.push_back(other);
+      if (other == one || term.joint != acceleration.joint || term.component != acceleration.component) continue;
+      const auto of_term = loop::InReadings(fit.problem.runs, term);
+      if (of_term.rms < of_acceleration.rms || of_term.largest < of_acceleration.largest) out.push_back(other);
     }
   }
   return out;

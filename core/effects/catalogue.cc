@@ -112,7 +112,7 @@ class Builder {
     ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
     item.group.family = static_cast<int>(one.family);
     item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
-    item.group.is_exotic = loop::IsFurther(one.family);
+    item.group.is_exotic = loop::IsFurther(one.family) || loop::IsUnnamed(one.family);
     // Where a tool or a table stands is nominal data; of a lag only differences bend a path.
     item.group.has_usual_size = one.family != Family::kConstant && one.family != Family::kLag;
     // What an axis loses on its way: none of it gives back what another takes.
@@ -296,20 +296,26 @@ class Builder {
     return {span.lowest, span.highest};
   }
 
+  // Functions of an axis' position that the readings of the finest session tell, up to `most`; of turns in pairs.
+  int FunctionsTold(int axis, int most) const {
+    const loop::AxisSpan& span = spans_[axis];
+    if (span.finest_step == 0.0) return 0;
+    const double highest = loop::kBelowNyquist * std::numbers::pi / span.finest_step;
+    const double told =
+        SpanOf(axis).is_turn ? 2.0 * std::floor(highest) : highest * (span.highest - span.lowest) / std::numbers::pi;
+    return static_cast<int>(std::min<double>(most, told));
+  }
+
   // Curves of an axis over its own position. How smooth one is the data say: each function has its price, so that a
   // smooth error that had to have all of them would cost more than a few local defects that lie about it.
   static constexpr int kFewestFunctions = 6;  // three orders of a turn: fewer are slopes and single harmonics
+  static constexpr int kMostFunctions = 24;   // finer waves are harmonics
   void AddCurves(std::vector<Candidate>* candidates) const {
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       const loop::AxisSpan& span = spans_[axis];
-      if (span.finest_step == 0.0) continue;
       shapes::Curve curve{axis, SpanOf(axis)};
-      // Nothing finer than the readings of the finest session tell.
-      const double highest = loop::kBelowNyquist * std::numbers::pi / span.finest_step;
-      const double told =
-          curve.span.is_turn ? 2.0 * std::floor(highest) : highest * (span.highest - span.lowest) / std::numbers::pi;
-      if (told < 4.0) continue;
-      const int finest = static_cast<int>(std::min<double>(shapes::kMaxBasisCount, told));
+      const int finest = FunctionsTold(axis, kMostFunctions);
+      if (finest < 4) continue;
       std::vector<shapes::Span> spans = {curve.span};
       // What does not close, as of a cable or a scale that was wound on.
       if (curve.span.is_turn) spans.push_back({span.lowest, span.highest});
@@ -332,8 +338,11 @@ class Builder {
   void AddCrossed(std::vector<Candidate>* candidates) const {
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       for (int other = 0; other < machine_.axis_count(); ++other) {
-        if (other == axis || spans_[axis].finest_step == 0.0 || spans_[other].finest_step == 0.0) continue;
-        AddAtJoint(Family::kCrossed, axis, shapes::Crossed{axis, other, SpanOf(axis), SpanOf(other)}, candidates);
+        if (other == axis) continue;
+        shapes::Crossed crossed{axis, other, SpanOf(axis), SpanOf(other)};
+        crossed.each = std::min(FunctionsTold(axis, crossed.each), FunctionsTold(other, crossed.each));
+        if (crossed.span.is_turn || crossed.second.is_turn) crossed.each -= crossed.each % 2;
+        if (crossed.each > 0) AddAtJoint(Family::kCrossed, axis, crossed, candidates);
       }
     }
   }

@@ -239,45 +239,6 @@ TEST(Effects, UnevenFrequenciesAreNoScan) {
   EXPECT_EQ(HarmonicScan::Make(linearised, two_axes), nullptr);
 }
 
-// Of two axes that go along a circle together the position of one is a function of the other's: an error of both is one
-// of either. Beside another pattern it is more.
-TEST(Effects, CrossedErrorsAreWhatSingleAxesLeave) {
-  const int y = machine::FindAxis(kMachine, "Y"), c = machine::FindAxis(kMachine, "C");
-  const std::vector<instruments::MeasuringRun> runs = Runs();
-  const auto share_left = [&](const std::vector<instruments::MeasuringRun>& some) {
-    const identify::Fit fit = FitOf(some, Declared());
-    const Linearised linearised = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
-    double lowest = INFINITY, highest = -INFINITY;
-    for (int at = 0; at < linearised.count(); ++at) {
-      lowest = std::min(lowest, linearised.StateAt(at).axes[y].position);
-      highest = std::max(highest, linearised.StateAt(at).axes[y].position);
-    }
-    const shapes::Crossed crossed{c, y, {.is_turn = true}, {lowest, highest}};
-    const Shaped source(linearised, {{crossed, machine::kComponents * c, {}}});
-    double whole = 0.0, left = source.Columns(0).squaredNorm();
-    for (int at = 0; at < linearised.count(); ++at) {
-      double basis[shapes::kMaxBasisCount];
-      shapes::Basis(crossed, linearised.StateAt(at), basis);
-      for (int b = 0; b < shapes::BasisCount(crossed); ++b)
-        whole += std::pow(basis[b] * linearised.sensitivity(at, machine::kComponents * c), 2);
-    }
-    return left / whole;
-  };
-  int circles = 0;
-  for (const instruments::MeasuringRun& run : runs) {
-    const auto moves = [&](int axis) {
-      for (int k = 1; k < run.reading_count(); ++k)
-        if (run.PositionsOf(k)[axis] != run.PositionsOf(0)[axis]) return true;
-      return false;
-    };
-    if (!moves(y) || !moves(c)) continue;
-    ++circles;
-    EXPECT_LT(share_left({run}), 1e-6) << run.session;
-  }
-  EXPECT_GT(circles, 0);
-  EXPECT_GT(share_left(runs), 0.01);
-}
-
 // A curve pays for each of its functions: a smooth one is taken with few, one with detail with all, never one beside
 // the other, and both are the same effect.
 TEST(Effects, ACurveIsAsSmoothAsTheReadingsSay) {
@@ -291,7 +252,7 @@ TEST(Effects, ACurveIsAsSmoothAsTheReadingsSay) {
   const identify::Fit plain = FitOf(Runs(), Declared());
   const Scored without(plain, {});
   machine::ErrorTerm curve = without.catalogue.effects[without.Find("EXX:curve")].candidate.term;
-  ASSERT_EQ(std::get<shapes::Curve>(curve.shape).functions, shapes::kMaxBasisCount);
+  ASSERT_EQ(std::get<shapes::Curve>(curve.shape).functions, 24);
   const auto functions_of = [](const Scored& scored, int group) {
     return std::get<shapes::Curve>(scored.catalogue.effects[group].candidate.term.shape).functions;
   };

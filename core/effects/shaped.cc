@@ -6,22 +6,6 @@
 #include <complex>
 
 namespace axiscal::effects {
-namespace {
-
-// Functions of each single axis: on a circle a linear axis is the cosine of a rotary one, so that the products of a
-// crossed error (4 polynomials of one, orders 1 and 2 of the other) reach order 6 of a turn: six cosines, six sines.
-constexpr int kSingleFunctions = 12;
-// Added to the mean squares of these functions, which are 1: far above rounding, far below what the readings tell.
-constexpr double kSingleRidge = 1e-9;
-
-void SingleValues(const std::vector<shapes::Shape>& curves, const shapes::State& state, double* values) {
-  for (const shapes::Shape& curve : curves) {
-    shapes::Basis(curve, state, values);
-    values += shapes::BasisCount(curve);
-  }
-}
-
-}  // namespace
 
 double PlaceOf(const shapes::Shape& shape) {
   if (const auto* bump = std::get_if<shapes::Bump>(&shape)) return bump->at;
@@ -50,8 +34,6 @@ Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool
       is_beginning_.push_back(!shapes_.empty() && shapes::IsBeginningOf(item.shape, shapes_.back()));
       shapes_.push_back(item.shape);
       first_value_.push_back(first_value_.back() + shapes::BasisCount(item.shape));
-      taken_off_.emplace_back();
-      TakeOffSingleAxes(shapes_.size() - 1);
     }
     auto place = std::find(sensitivities_.begin(), sensitivities_.end(), item.sensitivity);
     if (place == sensitivities_.end()) place = sensitivities_.insert(place, item.sensitivity);
@@ -66,27 +48,6 @@ Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool
     Fill(0, shapes_.size(), 0, values);
     kept_ = std::move(values);
   }
-}
-
-void Shaped::TakeOffSingleAxes(size_t shape) {
-  const auto* crossed = std::get_if<shapes::Crossed>(&shapes_[shape]);
-  if (crossed == nullptr) return;
-  SingleAxes single;
-  single.curves = {shapes::Constant{}, shapes::Curve{crossed->axis, crossed->span, kSingleFunctions},
-                   shapes::Curve{crossed->second_axis, crossed->second, kSingleFunctions}};
-  constexpr int kSingles = 1 + 2 * kSingleFunctions;
-  const int width = shapes::BasisCount(shapes_[shape]);
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(kSingles, kSingles), products = Eigen::MatrixXd::Zero(kSingles, width);
-  Eigen::VectorXd of_single(kSingles), of_shape(width);
-  for (int at = 0; at < linearised_.count(); ++at) {
-    SingleValues(single.curves, linearised_.StateAt(at), of_single.data());
-    shapes::Basis(shapes_[shape], linearised_.StateAt(at), of_shape.data());
-    gram.noalias() += of_single * of_single.transpose();
-    products.noalias() += of_single * of_shape.transpose();
-  }
-  gram.diagonal().array() += kSingleRidge * linearised_.count();
-  single.coefficients = gram.llt().solve(products);
-  taken_off_[shape] = std::move(single);
 }
 
 void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const {
@@ -126,14 +87,10 @@ void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::Matrix
     }
     if (harmonic == nullptr) {
       double basis[shapes::kMaxBasisCount];
-      Eigen::VectorXd of_single(taken_off_[s].coefficients.rows());
       const int width = shapes::BasisCount(shapes_[s]);
       for (int i = 0; i < n; ++i) {
         shapes::Basis(shapes_[s], linearised_.StateAt(begin + i), basis);
         for (int b = 0; b < width; ++b) values(i, at + b) = basis[b];
-        if (taken_off_[s].curves.empty()) continue;
-        SingleValues(taken_off_[s].curves, linearised_.StateAt(begin + i), of_single.data());
-        values.row(i).segment(at, width) -= of_single.transpose() * taken_off_[s].coefficients;
       }
       before = nullptr;
       continue;

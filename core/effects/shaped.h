@@ -46,9 +46,6 @@ class Shaped : public objective::Source {
   std::vector<size_t> sensitivity_of_;  // per item: of those
 
  private:
-  // What errors of one axis alone take up of an error of two, by ordinary least squares over all rows: of axes that
-  // move together nothing is left, and neither passes for the other.
-  void TakeOffSingleAxes(size_t shape);
   // The earlier item of which the columns of an item are the first ones, where it is a beginning of one.
   std::optional<size_t> FinerOf(size_t item) const;
   // Values of the shapes first .. last at rows begin .. begin + values->rows(), side by side.
@@ -60,11 +57,6 @@ class Shaped : public objective::Source {
   std::vector<Eigen::Index> first_value_;  // per shape, and behind the last one: where its values stand among all
   std::vector<bool> is_beginning_;         // per shape: of the one before it (shapes::IsBeginningOf)
   std::vector<size_t> shape_of_;           // per item
-  struct SingleAxes {
-    std::vector<shapes::Shape> curves;  // one per axis, and a constant
-    Eigen::MatrixXd coefficients;       // values of the curves x values of the shape
-  };
-  std::vector<SingleAxes> taken_off_;  // per shape; without curves: nothing is
 };
 
 }  // namespace axiscal::effects

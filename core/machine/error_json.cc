@@ -170,12 +170,16 @@ absl::StatusOr<shapes::Shape> ReadCrossed(const json& object, const std::string&
     return Refuse(where, absl::StrCat("over '", over, "' is no other axis of machine '", machine.id, "'"));
   ASSIGN_OR_RETURN(crossed.span, SpanOfAxis(object, where, "", machine, axis));
   ASSIGN_OR_RETURN(crossed.second, SpanOfAxis(object, where, "over_", machine, crossed.second_axis));
-  ASSIGN_OR_RETURN(const int count, CountAmplitudes(object, where, crossed.each * crossed.each));
-  crossed.each = static_cast<int>(std::lround(std::sqrt(count)));
-  if (crossed.each * crossed.each != count)
-    return Refuse(where, absl::StrCat("'amplitudes' has ", count,
-                                      " numbers, expected 1, 4, 9 or 16: as many functions ", "of each axis"));
-  return crossed;
+  ASSIGN_OR_RETURN(const int count, CountAmplitudes(object, where, crossed.Count()));
+  // No square of a whole number is another's less one: the count tells which of both it is.
+  for (const bool has_singles : {true, false}) {
+    crossed.has_singles = has_singles;
+    for (crossed.each = 1; crossed.Count() < count;) ++crossed.each;
+    if (crossed.Count() == count) return crossed;
+  }
+  return Refuse(where, absl::StrCat("'amplitudes' has ", count,
+                                    " numbers, expected 3, 8, 15, 24, 35 or 48 (1 to 6 functions of each axis and the "
+                                    "constant), or 1, 4, 9, 16, 25 or 36 (without the constant)"));
 }
 
 absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& where, const Machine& machine,

@@ -59,7 +59,12 @@ TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
       {c, Component::kA, shapes::Curve{c, {.is_turn = true}, 4}, {1e-6, 2e-6, 3e-6, 4e-6}, 5e-6},
       {b, Component::kX, shapes::Curve{b, {-1.0, 0.5}, 2}, {0.001, 0.002}},
       {tool, Component::kX, shapes::TimeCurve{{10.0, 7000.0}, 2}, {0.001, 0.0005}, 0.001},
-      {x, Component::kZ, shapes::Crossed{x, c, {-300.0, 200.0}, {.is_turn = true}, 2}, {1e-3, 2e-3, 3e-3, 4e-3}, 2e-3}};
+      {x, Component::kZ, shapes::Crossed{x, c, {-300.0, 200.0}, {.is_turn = true}, 1}, {1e-3, 2e-3, 3e-3}, 2e-3},
+      {x,
+       Component::kZ,
+       shapes::Crossed{x, b, {-300.0, 200.0}, {-1.0, 0.5}, 2, false},
+       {1e-3, 2e-3, 3e-3, 4e-3},
+       2e-3}};
   const std::string text = WriteErrors(model, kMachine);
   const auto again = ReadErrors(text, kMachine);
   ASSERT_TRUE(again.ok()) << again.status() << text;
@@ -76,7 +81,8 @@ TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
   EXPECT_THAT(NamesOf(kMachine, *again),
               ::testing::ElementsAre("EZT:thermal-lag(T_spindle_C)", "EZT:thermal-lag(T_spindle_C)#2",
                                      "EXX:thermal-lag(X,temp_C)", "EYX:curve", "EAC:curve", "EXB:curve",
-                                     "EXT:time-curve", "EZX:crossed(C)"));
+                                     "EXT:time-curve", "EZX:crossed(C)", "EZX:crossed(B)"));
+  for (const size_t i : {7, 8}) EXPECT_EQ(again->terms[i].shape, model.terms[i].shape) << i;
   // Asked for, with no amplitudes yet.
   const auto asked = ReadAskedError(R"({"symbol": "EYX", "shape": "curve", "from_mm": -300, "to_mm": 200})", kMachine);
   ASSERT_TRUE(asked.ok()) << asked.status();
@@ -87,7 +93,7 @@ TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
            {R"({"symbol": "EBC", "shape": "curve", "from_mm": 0, "to_mm": 90, "amplitudes": [1]})",
             "'from_mm', expected 'from_deg' and 'to_deg'"},
            {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitude": 2})", "'amplitudes'"},
-           {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitudes": []})", "1 to 24"},
+           {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitudes": []})", "1 to 48"},
            {R"({"symbol": "EYX", "shape": "linear", "amplitude": 3, "prior_sigma": 3})", "'prior_sigma'"},
            {R"({"symbol": "EYX", "shape": "crossed", "over": "X", "from_mm": 0, "to_mm": 3, "amplitudes": [1]})",
             "over 'X'"},

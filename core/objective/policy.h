@@ -15,8 +15,8 @@ struct Policy {
   double per_look = 2.0;
   // For each free amplitude beyond the first, chi-square units: chance fits one more each.
   double per_column = 4.0;
-  // For members of families that a plain name rivals, chi-square units: decides ties in favour of the plain name
-  // (exp(-3) in odds), and no more.
+  // For members of families that a plain name rivals, and for local structure without a name, which any name rivals,
+  // chi-square units: decides ties in favour of the name (exp(-3) in odds), and no more.
   double exotic = 6.0;
 
   // Prior standard deviation of an effect's size in the rows, before set-ups and declared errors hide a part of it, as
@@ -38,9 +38,9 @@ struct Policy {
   // within one).
   double smallest_log_variance = -6.0, largest_log_variance = 15.0;
 
-  // Columns of each family on which the design effect is judged: with ten of them the quantile below moves by a few
-  // percent from draw to draw.
-  int design_columns = 10;
+  // Columns of each family on which the design effect is judged: with forty of them the quantile below moves by a
+  // percent or two from draw to draw; with ten, names of a faint effect (case-012) hung on the draw.
+  int design_columns = 40;
   // Quantile of the columns' design effects that counts: above the median, as too small a design effect names what is
   // not there; below the largest, which is the effect that is looked for.
   double design_quantile = 0.7;

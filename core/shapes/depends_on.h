@@ -18,11 +18,6 @@ inline bool DependsOnSense(const Shape& shape) {
   return std::holds_alternative<Backlash>(shape) || std::holds_alternative<BacklashCurve>(shape) ||
          std::holds_alternative<Play>(shape) || std::holds_alternative<LastMove>(shape);
 }
-// How an axis moves or has come, rather than where it stands.
-inline bool IsOfMotion(const Shape& shape) {
-  return DependsOnSense(shape) || std::holds_alternative<Reversal>(shape) || std::holds_alternative<Lag>(shape) ||
-         std::holds_alternative<Acceleration>(shape);
-}
 // One clock of all sessions: what lasts longer than one of them.
 inline bool NeedsOneClock(const Shape& shape) {
   return std::holds_alternative<Drift>(shape) || std::holds_alternative<DriftExp>(shape) ||

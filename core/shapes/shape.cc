@@ -32,7 +32,7 @@ int BasisCount(const Shape& shape) {
   return std::visit(
       [](const auto& s) {
         if constexpr (requires { s.functions; }) return s.functions;
-        if constexpr (requires { s.each; }) return s.each * s.each;
+        if constexpr (requires { s.each; }) return s.Count();
         if constexpr (requires { s.kBasisCount; }) return s.kBasisCount;
       },
       shape);

@@ -14,7 +14,7 @@ inline constexpr double kReferenceTemperatureCelsius = 20.0;
 // The channel of State::temperature_celsius.
 inline constexpr char kTemperatureChannel[] = "temp_C";
 
-inline constexpr int kMaxBasisCount = 24;  // amplitudes of one shape
+inline constexpr int kMaxBasisCount = 48;  // amplitudes of one shape: of a crossed error (curve.h)
 
 class Temperatures;
 

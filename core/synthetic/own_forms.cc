@@ -60,7 +60,7 @@ Values Crossed(const Drawing& drawing, base::Random* random, std::optional<machi
   const shapes::Crossed crossed{effect.axis, effect.second_axis, SpanOf(drawing, effect.axis, drawing.range),
                                 SpanOf(drawing, effect.second_axis, drawing.second_range)};
   std::array<double, shapes::kMaxBasisCount> weights{};
-  for (int i = 0; i < crossed.each * crossed.each; ++i) weights[i] = random->Normal() * shapes::PriorRoot(crossed, i);
+  for (int i = 0; i < crossed.Count(); ++i) weights[i] = random->Normal() * shapes::PriorRoot(crossed, i);
   return OfTerm(drawing, crossed, weights, term);
 }
 
