@@ -173,7 +173,7 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     take_figures();
   }
   const predict::VolumetricError& left = *report->volumetric;
-  if (!left.is_gain_held && left.after.expected_mm > (1.0 - policy.harm_share) * left.before.expected_mm) {
+  if (!left.is_gain_held && left.after.expected_mm > (1.0 - policy.least_gain) * left.before.expected_mm) {
     std::vector<identify::Outlier> outliers = std::move(report->fitted.outliers);  // bad readings are bad for any model
     report->fitted = declared;
     report->fitted.outliers = std::move(outliers);

@@ -18,7 +18,7 @@ namespace axiscal::decide {
 // until it could not, first the one without which that is least likely, and fits what is left. Where no gain over the
 // box is held then, takes off the rest that is corrected too. Constants stay: they are corrected as those that are
 // declared, by the first of those that these sessions do not tell apart. Where they too gain nothing that matters
-// (Policy::harm_share) the machine is left as it is corrected by the declared errors alone: `declared`, their fit. Sets
+// (Policy::least_gain) the machine is left as it is corrected by the declared errors alone: `declared`, their fit. Sets
 // the report's `volumetric`, and where something is taken off `held_back` and `fitted`. Errors of FitExtension.
 absl::Status HoldBack(const machine::Machine& machine, const loop::Extension& extension, const identify::Fit& fit,
                       const identify::Result& declared, const objective::Policy& policy,

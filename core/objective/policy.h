@@ -63,6 +63,10 @@ struct Policy {
   // than this share and this many mm rms (what nobody would notice does not count), with more than this probability
   // (what 95 % intervals leave).
   double harm_share = 0.1, harm_mm = 0.2e-3, harm_probability = 0.05;
+  // Where no gain is held, what is left to correct (constants beside an instrument at fault, a slip, bad readings) must
+  // take away this share of the expected error over the box: less is chance as often as not, and no reason to move a
+  // machine.
+  double least_gain = 0.25;
   // Odds of the orders or pitches that the measured positions do not tell from what was found fall with this power of
   // the frequency: between 1 (a gear may have any number of teeth, and each factor of numbers is as likely) and 2 (the
   // power spectrum of worn and ground surfaces).

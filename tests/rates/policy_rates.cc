@@ -65,6 +65,7 @@ std::vector<Setting> SettingsOf() {
   add("harm_share", &Policy::harm_share);
   add("harm_mm", &Policy::harm_mm);
   add("harm_probability", &Policy::harm_probability);
+  add("least_gain", &Policy::least_gain);
   add("order_falloff", &Policy::order_falloff);
   return settings;
 }
