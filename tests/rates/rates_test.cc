@@ -80,7 +80,7 @@ TEST(Rates, MachinesThatLackNothingAreLeftAloneByNoiseThatWandersAndCoarseReadin
 }
 
 // Of the coarse ones the fourth is 0.22 of the display's resolution, rms: as much as rounding may look like.
-// On a coarse display one harmonic is not seen (seed 4), and a time curve stands for one warming-up (seed 2).
+// Of the second a time curve stands for the warming-up.
 TEST(Rates, AnEffectInNoiseThatWandersOrAboveTheResolutionIsNamed) {
   for (const Kind kind : {Kind::kWander, Kind::kCoarse}) {
     const Total total = JudgeMany(kind, 8);
@@ -231,19 +231,15 @@ TEST(Rates, WhereNothingIsGainedDeclaredErrorsStay) {
   }
 }
 
-// An instrument with a gain and a scale was six errors of the machine (0.42 -> 0.74 um), of which the report promised
-// no gain.
+// An instrument with a gain and a scale was six errors of the machine (0.42 -> 0.74 um), a crossed error three of other
+// kinds (2.6 -> 2.9 um): of neither did the report promise a gain.
 TEST(Rates, WhatPromisesNoGainIsNotCorrected) {
-  const PhysicsScore score = JudgePhysics(DrawPhysics(Physics::kInstrument, 611007), false);
-  EXPECT_TRUE(score.WouldBeHarmed()) << score.text;
-  EXPECT_FALSE(score.IsHarmed()) << score.text;
-  EXPECT_GE(score.held_back, 1) << score.text;
-}
-
-// A crossed error was three of other kinds (2.6 -> 2.9 um); what is found of it promises no gain.
-TEST(Rates, ACrossedErrorOfWhichNoGainIsHeldDoesNoHarm) {
-  const PhysicsScore score = JudgePhysics(DrawPhysics(Physics::kCrossed, 611003), false);
-  EXPECT_FALSE(score.IsHarmed()) << score.text;
+  for (const auto& [kind, seed] : {std::pair(Physics::kInstrument, 611007), std::pair(Physics::kCrossed, 611003)}) {
+    const PhysicsScore score = JudgePhysics(DrawPhysics(kind, seed), false);
+    EXPECT_TRUE(score.WouldBeHarmed()) << score.text;
+    EXPECT_FALSE(score.IsHarmed()) << score.text;
+    EXPECT_GE(score.held_back, 1) << score.text;
+  }
 }
 
 // Both names are right, but the fit sessions see the sum: with their amplitudes, 70 um came out as 982 um.
