@@ -233,7 +233,11 @@ void Interpreter::StartProgram() {
   ++programs_begun_;
   // Controls differ on whether the end of a program ends them.
   may_carry_shift_ |= coordinates_.has_shift() || coordinates_.has_preset() || coordinates_.has_frame();
+  // A called tool stays in the spindle when its program ends.
+  const bool has_called_tool = dialect_->tool_call_sets_length &&
+                               (coordinates_.active_length() >= 0 || (modal_.blockers & kUnstatedLength) != 0);
   BeginModal();
+  if (has_called_tool) modal_.blockers |= kUnstatedLength;
   if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
   if (modal_.blockers & kDatumShift) modal_.shifted_axes = kAllAxes;
   if (may_carry_shift_) modal_.blockers |= kShift;

@@ -78,6 +78,22 @@ TEST(ToolChange, KlartextCallsItsTools) {
   EXPECT_REFUSED(options, program, "the position of B is unknown");
 }
 
+// A program that calls none has the tool of the one in front of it, or not: the length that corrections are made for is
+// not known.
+TEST(ToolChange, ACalledToolStaysBehindItsProgram) {
+  RewriteOptions options = Keeping({"B", "C"});
+  options.dialect = "heidenhain";
+  options.tool_lengths = {{1, 100.0}};
+  const std::string first = "BEGIN PGM A MM\nTOOL CALL 1 Z S100\nL X+1 Y+1 Z+1 R0 FMAX\n";
+  const std::string second = "BEGIN PGM B MM\nL X+2 Y+1 Z+1 B+0 C+0 R0 F100\n";
+  for (const char* const end : {"", "END PGM A MM\n"}) {
+    EXPECT_REFUSED(options, first + end + second, "a tool length is active that is not stated");
+    const std::string called = "BEGIN PGM B MM\nTOOL CALL 1 Z S100\nL X+2 Y+1 Z+1 B+0 C+0 R0 F100\n";
+    EXPECT_TRUE(Rewritten(first + end + called, options).status.ok());
+  }
+  EXPECT_TRUE(Rewritten("BEGIN PGM A MM\nL X+1 Y+1 Z+1 R0 FMAX\nEND PGM A MM\n" + second, options).status.ok());
+}
+
 // With --orientation a rotary axis stands at its corrected command, in front of the tool change and behind it.
 TEST(ToolChange, CorrectedRotaryAxesStayWhereTheyAre) {
   RewriteOptions options = Keeping({"B", "C"});
