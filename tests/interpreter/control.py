@@ -265,7 +265,7 @@ class Control:
             return self.pos[axis] + value
         goal = value + self.offset(axis)
         if self.rollover.get(axis) == "shortest":
-            travel = math.fmod(goal - self.pos[axis], 360.0)
+            travel = math.fmod(round(goal - self.pos[axis], 9), 360.0)  # half a turn is one on both sides of a rounding
             if travel > 180.0:
                 travel -= 360.0
             elif travel < -180.0:

@@ -71,7 +71,10 @@ def can_be(s, first, second, linear, axes):
         (not s.cut or s.cut[0] == "piece") and s.vector is None
 
 
-def resolve(trace, linear, axes):
+NOTHING_MM = 1e-5  # what a corner takes off the path, at least: words and corrections are coarser
+
+
+def resolve(trace, linear, axes, least_mm=NOTHING_MM):
     """The trace with corners as moves of their own."""
     out, i = [], 0
     trace = list(trace)
@@ -81,7 +84,7 @@ def resolve(trace, linear, axes):
         j = i + 1
         while corner and j < len(trace) and trace[j].kind == "code":
             j += 1
-        made = between(event, trace[j], linear, axes) if corner and j < len(trace) and trace[j].kind == "move" else None
+        made = between(event, trace[j], linear, axes, least_mm) if corner and j < len(trace) and trace[j].kind == "move" else None
         if made is None:
             out.append(event)
             i += 1
@@ -97,7 +100,7 @@ def resolve(trace, linear, axes):
     return out
 
 
-def between(s, e, linear, axes):
+def between(s, e, linear, axes, least_mm):
     kind, size, plane, feed, _ = s.corner
     first, second = {17: "XY", 18: "ZX", 19: "YZ"}[plane]
     if not (can_be(s, first, second, linear, axes) and can_be(e, first, second, linear, axes)):
@@ -119,7 +122,8 @@ def between(s, e, linear, axes):
         return None
     plain = copy.copy(s)
     plain.corner, plain.is_made = False, True
-    is_small = size * (1 / math.cos(turn / 2) - 1) < 1e-5 if kind == "RND" else size * abs(math.sin(turn / 2)) < 2e-5
+    leg = size / (2 * math.cos(turn / 2)) if kind == "CHF" else size
+    is_small = (size * (1 / math.cos(turn / 2) - 1) if kind == "RND" else leg * abs(math.sin(turn / 2))) < least_mm
     if is_small:
         return plain, None, e
     side = 1.0 if turn > 0 else -1.0
@@ -128,7 +132,7 @@ def between(s, e, linear, axes):
     else:
         if s.arc or e.arc:
             return None
-        taken = [size / (2 * math.cos(turn / 2)) if kind == "CHF" else size] * 2
+        taken = [leg] * 2
     if taken is None or min(taken) < 0 or taken[0] > one.length + 1e-7 or taken[1] > two.length + 1e-7:
         return None
     (p, u), (q, v) = one.at(taken[0]), two.at(taken[1])

@@ -2,7 +2,7 @@
 import math
 import re
 
-from corners import resolve
+from corners import NOTHING_MM, resolve
 from control import Alarm, Control, about, along, chain, times
 
 PLANES = {17: ("X", "Y", "I", "J"), 18: ("Z", "X", "K", "I"), 19: ("Y", "Z", "J", "K")}
@@ -81,10 +81,13 @@ class Iso(Control):
                 body.append((clean, skipped))
             at += range(1, len(body) - len(at) + 1)
         self.body = body
-        # Behind a first %, the second one ends the file.
-        percents = [i for i, (clean, _) in enumerate(body[:main]) if clean.strip() == "%"]
-        begin = percents[0] + 1 if percents else 0
-        end = percents[1] if len(percents) > 1 else main
+        # Behind a first %, the second one ends the file; behind blocks the first one does.
+        tapes = self.dialect in ("fanuc", "mazak", "haas")  # whatever stands behind the sign, they read no further
+        percents = [i for i, (clean, _) in enumerate(body[:main]) if clean.strip() == "%" or tapes and clean.startswith("%")]
+        is_end = percents and any(re.fullmatch(r"(\s*[A-Z]\s*[-+]?[\d.]+)+\s*", clean, re.I) for clean, _ in body[:percents[0]])
+        begin = percents[0] + 1 if percents and not is_end else 0
+        ends = percents if is_end else percents[1:]
+        end = ends[0] if ends else main
         pc, stack = begin, []
         while pc < end or main <= pc < len(body):
             self.tick()
@@ -135,7 +138,7 @@ class Iso(Control):
         return self.resolved()
 
     def resolved(self):
-        return resolve(self.trace, self.linear, self.axes) if self.is_sinumerik else self.trace
+        return resolve(self.trace, self.linear, self.axes, self.setup.get("least_corner_mm", NOTHING_MM)) if self.is_sinumerik else self.trace
 
     def compared_feed(self):
         return self.feed if self.is_sinumerik else None
@@ -816,8 +819,9 @@ class Iso(Control):
                      "FNORM", "ORIAXES", "FLIN", "FCUB", "DYNNORM", "DYNFINISH", "G_"):
                 self.code(a, w.value)
                 other.remove(w)
-            elif a in ("ORIVECT", "ORIWKS", "ORIMKS") and not self.tcp and "tcp" not in self.foreign:
-                # The group of ORIAXES: how the tool turns under TRAORI, and no motion without it.
+            elif a in ("ORIVECT", "ORIWKS", "ORIMKS"):
+                # The group of ORIAXES: how the tool turns under TRAORI. Axis by axis is what is followed here: what departs from
+                # that is to be refused.
                 self.code(a, w.value)
                 other.remove(w)
             elif a in ("SUPA",):
@@ -920,7 +924,7 @@ class Iso(Control):
             return None
         values = {x: float(y) for x, y in words}
         kind = name[1:] if name[0] == "A" else name
-        if kind == "ROT" and self.plane == 17 and not values.get("X") and not values.get("Y"):
+        if kind == "ROT" and (self.plane == 17 or "RPL" not in values) and not values.get("X") and not values.get("Y"):
             return about("Z", values.get("RPL", values.get("Z", 0.0)))
         if kind == "MIRROR" and "Z" not in values:
             return along(*[-1.0 if a in values else 1.0 for a in "XYZ"])
