@@ -159,8 +159,9 @@ class BlockWriter {
     return commanded_.is_known(axis) ? commanded_.ticks[axis] - programmed_[axis] - preset_shift_[axis] : 0;
   }
   uint16_t Departed() const;
-  // " X1.5", with the decimals that it needs to be exact.
-  void AppendExact(int axis, Ticks target, Ticks base, bool is_inch, OutBuffer* out) const;
+  // " X1.5", with the decimals that it needs to be exact. `says_angle`: from 0 to 360 deg, which the axis goes the
+  // shorter way.
+  void AppendExact(int axis, Ticks target, Ticks base, bool is_inch, bool says_angle, OutBuffer* out) const;
   void ReturnPole(const StateBefore& before, const std::string& line_end, OutBuffer* out);
   // Whether the block has words that move by the motion code in force.
   bool MovesByCode(const char* text, size_t size, const Block& block) const;

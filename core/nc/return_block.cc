@@ -1,5 +1,6 @@
 // The way back to where the program thinks the control is, in front of blocks that are passed.
 #include <algorithm>
+#include <cmath>
 
 #include "core/nc/block_writer.h"
 #include "core/nc/char_class.h"
@@ -55,20 +56,19 @@ void BlockWriter::LeaveAdrift(const char* text, size_t size, const StateBefore& 
   ForgetAll();
 }
 
-void BlockWriter::AppendExact(int axis, Ticks target, Ticks base, bool is_inch, OutBuffer* out) const {
+void BlockWriter::AppendExact(int axis, Ticks target, Ticks base, bool is_inch, bool says_angle, OutBuffer* out) const {
   const Ticks unit = is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm;
   const WordForm form = ExactForm(rule_.Inserted(unit), target - base, unit);
   out->push_back(' ');
   out->push_back(machine_->axes[axis].name[0]);
   CorrectedWord word = WordFor(target, base, form);
-  const bool is_wrapped = wrapped_ >> axis & 1;
-  if (is_wrapped) {
+  if (says_angle) {
     word.number %= kTurn / form.grain;
     if (word.number < 0) word.number += kTurn / form.grain;
     AppendDistance(Distance::kShortestWay, out);
   }
   AppendNumber(word, interpreter_->dialect().writes_plus, out);
-  if (is_wrapped && !interpreter_->dialect().distance_names.empty()) out->push_back(')');
+  if (says_angle && !interpreter_->dialect().distance_names.empty()) out->push_back(')');
 }
 
 void BlockWriter::ReturnPole(const StateBefore& before, const std::string& line_end, OutBuffer* out) {
@@ -80,7 +80,7 @@ void BlockWriter::ReturnPole(const StateBefore& before, const std::string& line_
   static constexpr const char* kAxes[] = {"X", "Y"};  // Klartext's poles stand in XY
   for (const size_t index : {size_t{0}, size_t{1}}) {
     const int axis = machine::FindAxis(*machine_, kAxes[index]);
-    AppendExact(axis, pole_.ticks[index], before.offsets[axis], before.modal.is_inch, out);
+    AppendExact(axis, pole_.ticks[index], before.offsets[axis], before.modal.is_inch, false, out);
   }
   out->append(line_end);
 }
@@ -115,10 +115,16 @@ std::string BlockWriter::Return(const StateBefore& before, const std::string& li
     out->append(std::string(has_poles ? "L" : is_rapid ? "G00" : "G01"));
     for (const int axis : order_) {
       if ((departed >> axis & 1) == 0) continue;
-      const bool is_incremental = modal.is_incremental && (wrapped_ >> axis & 1) == 0;
+      const bool is_wrapped = (wrapped_ >> axis & 1) != 0;
+      // In G91 an angle needs a word that says it is one: C=DC(10).
+      const bool is_incremental =
+          modal.is_incremental && !(is_wrapped && !interpreter_->dialect().distance_names.empty());
       const Ticks target = programmed_[axis] + preset_shift_[axis];
-      const Ticks base = is_incremental ? commanded_.ticks[axis] : before.offsets[axis] + preset_shift_[axis];
-      AppendExact(axis, target, base, modal.is_inch, out);
+      Ticks base = is_incremental ? commanded_.ticks[axis] : before.offsets[axis] + preset_shift_[axis];
+      // Both may be whole turns apart, where the axis counts from 0 again.
+      if (is_incremental && is_wrapped)
+        base += kTurn * std::llround(static_cast<double>(target - base) / static_cast<double>(kTurn));
+      AppendExact(axis, target, base, modal.is_inch, is_wrapped && !is_incremental, out);
       commanded_.ticks[axis] = target;
     }
     if (has_poles && is_rapid) out->append(std::string(" FMAX"));

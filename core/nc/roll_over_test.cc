@@ -179,5 +179,25 @@ TEST(RollOver, AnIncrementalWordIsNotSplitIntoAbsoluteOnes) {
                   .status.ok());
 }
 
+// An absolute angle in G91 would be travelled as a way: C28.9761 in place of C0.0029.
+TEST(RollOver, AWayBackInG91IsADifference) {
+  const machine::Machine machine = WithC(RollOver::kShortest);
+  const auto compensator =
+      testing::MustCreate(machine, testing::ConstantErrors(machine, {{"EX0C", 0.02}, {"EA0C", 2e-4}, {"EB0C", 2e-4}}),
+                          {0, 0, -testing::kToolMm});
+  for (const char* const dialect : {"fanuc", "haas", "mazak"}) {
+    RewriteOptions options = Fine(dialect);
+    options.orientation = true;
+    options.on_unsupported = OnUnsupported::kPass;
+    RewriteReport report;
+    const auto text =
+        RewriteText("G90 G1 X300. Y0. Z0. B20. C350. F500\nC28.976\nG91 G28 Z0.\nZ1.\n", compensator, options, &report);
+    ASSERT_TRUE(text.ok()) << text.status();
+    const size_t at = text->find("C", text->find("G91"));
+    ASSERT_NE(at, std::string::npos) << *text;
+    EXPECT_LT(std::abs(std::atof(text->c_str() + at + 1)), 0.1) << *text;
+  }
+}
+
 }  // namespace
 }  // namespace axiscal::nc
