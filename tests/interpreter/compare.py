@@ -252,6 +252,12 @@ class Comparison:
             self.is_corrected = False
             pieces = pieces[1:]
         last = pieces[-1]
+        # Behind a passed move a block may lead to where the next one, an arc or a corner, is corrected.
+        if len(pieces) == 2 and last.number is None and last.arc is None and self.is_same(s, pieces[0]) and all(
+                abs(last.end[a] - last.start[a]) <= limits.gross_mm for a in last.end) and not self.is_right_at_end(s, pieces[0]):
+            self.check(s, pieces[:1])
+            self.is_corrected = self.is_right_at_end(s, last)
+            return
         for at, a, b in (("start", s.start, pieces[0].start), ("end", s.end, last.end)):
             for axis in a:
                 limit = limits.gross_mm if axis in machine.linear else limits.gross_deg
@@ -289,7 +295,7 @@ class Comparison:
             self.corrected += 1
             self.vector_moves += s.vector is not None
             return
-        same_words = len(pieces) == 1 and (same(s.words, last.words) or s.is_made and self.is_same_way(s, last))
+        same_words = len(pieces) == 1 and self.is_same(s, last)
         if same_words and s.arc:
             same_words = (abs(s.arc[4] - pieces[0].arc[4]) < 0.05 + 0.5 / s.arc[5] if pieces[0].arc else False)
             problem = problem if same_words else "the arc sweeps %.4f rad, in the source %.4f" % (
@@ -299,6 +305,9 @@ class Comparison:
         if self.strict and not self.is_listed(s) and not (s.unsure and self.passed and min(self.passed) < s.line):
             raise Difference("not corrected, and the report does not list it: " + problem, s, pieces)
         self.unchanged += 1
+
+    def is_same(self, s, piece):
+        return same(s.words, piece.words) or s.is_made and self.is_same_way(s, piece)
 
     def is_same_way(self, s, piece):
         """Beside a corner that is a move of its own the words say where that begins: what counts is where they lead, or by how

@@ -31,7 +31,8 @@ class Klartext(Control):
         i = 0
         while i < len(lines):
             first, line = i + 1, self.clean(lines[i])
-            while lines[i].rstrip().endswith("~") and i + 1 < len(lines):  # also behind a comment
+            # Also behind a comment; a line with a number of its own is a block of its own.
+            while lines[i].rstrip().endswith("~") and i + 1 < len(lines) and not re.match(r"\s*\d", lines[i + 1]):
                 i += 1
                 line = line.rstrip("~ ") + " " + self.clean(lines[i])
             line = line.rstrip("~ ")
