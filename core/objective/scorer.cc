@@ -113,6 +113,7 @@ void Scorer::Take(const Source& source, size_t number) {
 const Group& Scorer::group(int group) const { return sources_[at_[group].first]->groups()[at_[group].second]; }
 
 void Scorer::Exclude(int group) {
+  answers_.clear();
   is_visible_[group] = false;
   is_exact_[group] = true;  // of a scan too: nobody looks closer
 }
@@ -523,13 +524,19 @@ Scorer::Explained Scorer::ExplainedBy(const State& state, double design, const F
       }
     }
   }
-  LoadProducts(state);
-  out.half.resize(factor.half.size(), column_count_);
-  for (size_t i = 0; i < state.size(); ++i) {
+  const Eigen::Index size = factor.half.size();
+  const bool is_known = half_of_.design == design && half_of_.columns == column_count_ && half_of_.state == state;
+  if (!is_known) {
+    LoadProducts(state);
+    if (static_cast<Eigen::Index>(half_.size()) < size * column_count_) half_.resize(size * column_count_);
+  }
+  new (&out.half) Eigen::Map<Eigen::MatrixXd>(half_.data(), size, column_count_);
+  for (size_t i = 0; !is_known && i < state.size(); ++i) {
     const Eigen::MatrixXd& products = Load(state[i].group).products;
     out.half.middleRows(factor.first[i], products.cols()) = products.transpose();
   }
-  if (!state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(out.half);
+  if (!is_known && !state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(out.half);
+  half_of_ = {state, design, column_count_};
   out.of_y = out.half.transpose() * factor.half;
   return out;
 }
@@ -555,11 +562,11 @@ void Scorer::TakeOff(const Explained& explained, int group, bool by_flat, Gram* 
 void Scorer::Keep(const State& state, double design) {
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible || state.empty()) return;
-  Explained whole = ExplainedBy(state, design, factor);
+  const Explained whole = ExplainedBy(state, design, factor);
   if (whole.ground != nullptr) {
     if (whole.back.rows() == 0) return;  // it is that
     ground_.reset();                     // less than what was kept: from the beginning
-    whole = ExplainedBy(state, design, factor);
+    return Keep(state, design);
   }
   Ground ground{state, design, factor.first, factor.flat, {}, {}, {}, {}, {}, whole.of_y, {}, {}};
   const auto lower = factor.lower.triangularView<Eigen::Lower>();
@@ -678,7 +685,35 @@ namespace {
 bool IsBetter(const Move& a, const Move& b) { return a.objective < b.objective; }
 }  // namespace
 
+std::optional<std::vector<Move>> Scorer::Known(const std::vector<Answer>& answers, const std::vector<bool>& allowed,
+                                               int most) const {
+  const auto is_allowed = [&](const Move& move) { return allowed.empty() || allowed[origin_[move.member.group]]; };
+  for (const Answer& one : answers) {
+    const auto holds = [&](size_t g) { return one.allowed.empty() || one.allowed[g]; };
+    bool is_wider = true;
+    for (size_t g = 0; is_wider && !one.allowed.empty() && g < one.allowed.size(); ++g)
+      is_wider = holds(g) || !(allowed.empty() || allowed[g]);
+    if (!is_wider) continue;
+    std::vector<Move> moves;
+    std::copy_if(one.moves.begin(), one.moves.end(), std::back_inserter(moves), is_allowed);
+    // Where the wider one ended before its list was full, it holds all there are.
+    const bool is_whole = static_cast<int>(one.moves.size()) < one.most;
+    if (!is_whole && static_cast<int>(moves.size()) < most) continue;
+    if (static_cast<int>(moves.size()) > most) moves.resize(most);
+    return moves;
+  }
+  return std::nullopt;
+}
+
 std::vector<Move> Scorer::Additions(const State& state, double design, const std::vector<bool>& allowed, int most) {
+  std::vector<std::pair<double, double>> members;
+  for (const Member& one : state) members.emplace_back(one.group, one.variance);
+  std::sort(members.begin(), members.end());
+  std::vector<double> question = {static_cast<double>(group_count()), design};
+  for (const auto& [group, variance] : members) question.insert(question.end(), {group, variance});
+  if (!answers_.empty() && answers_.begin()->first.front() != question.front()) answers_.clear();
+  std::vector<Answer>& answers = answers_[question];
+  if (std::optional<std::vector<Move>> known = Known(answers, allowed, most)) return *std::move(known);
   std::vector<Move> best;
   double worst = std::numeric_limits<double>::infinity();  // beyond the state, once there are enough
   ForEachAddition(
@@ -688,6 +723,7 @@ std::vector<Move> Scorer::Additions(const State& state, double design, const std
         if (static_cast<int>(best.size()) > most) best.pop_back();
         if (static_cast<int>(best.size()) == most) worst = best.back().objective - base;
       });
+  answers.push_back({allowed, most, best});
   return best;
 }
 

@@ -79,7 +79,8 @@ class Scorer {
   // Variance of each amplitude of a possible state, per member; of blocks with what their priors say.
   std::vector<Eigen::VectorXd> VariancesOf(const State& state, double design);
   // The best `most` additions, of those that cost at most Policy::evidence more than they gain, among groups that
-  // `allowed` holds (by group; empty: all), best first; their blocks' variances are those of the most evidence.
+  // `allowed` holds (by group; empty: all), best first; their blocks' variances are those of the most evidence. What
+  // was asked before is not looked for again.
   std::vector<Move> Additions(const State& state, double design, const std::vector<bool>& allowed, int most);
   // Makes additions to this state, and to what is left of it without one member, cheap until another one is kept.
   void Keep(const State& state, double design);
@@ -117,13 +118,22 @@ class Scorer {
     Eigen::VectorXd amplitude, of_y;  // K^-1 b, and per column what the state explains of its product with y
     std::vector<Eigen::MatrixXd> taken, taken_flat;  // per group: what the state, its flat members explain of its Gram
   };
+  // What Additions answered.
+  struct Answer {
+    std::vector<bool> allowed;
+    int most = 0;
+    std::vector<Move> moves;
+  };
   // What a state explains of all columns: half' half, half = lower^-1 P; or, of a ground without a member, what the
   // ground explains less back' back (the inverse of a part of a matrix; Golub and Van Loan, Matrix Computations,
   // "Updating matrix factorizations").
   struct Explained {
+    Explained() = default;
+    Explained(Explained&&) = default;
+    Explained& operator=(Explained&&) = delete;  // of a map it would copy the numbers
     const Ground* ground = nullptr;
     Eigen::MatrixXd back, flat_back;
-    Eigen::MatrixXd half;
+    Eigen::Map<Eigen::MatrixXd> half{nullptr, 0, 0};  // in half_: of one state at a time
     Eigen::Index flat = 0;
     Eigen::VectorXd of_y;  // per column
   };
@@ -145,6 +155,9 @@ class Scorer {
   const Eigen::MatrixXd& Cross(int group, int other);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
+  // The answer where it follows from those that were given for the same state.
+  std::optional<std::vector<Move>> Known(const std::vector<Answer>& answers, const std::vector<bool>& allowed,
+                                         int most) const;
   // From what is kept where it can be.
   Explained ExplainedBy(const State& state, double design, const Factor& factor);
   // Takes what is explained, by the flat members alone where asked, off the Gram matrix of a group.
@@ -182,6 +195,15 @@ class Scorer {
   double squares_ = 0.0, dof_ = 1.0;  // of y, projected
   std::map<int, Loaded> loaded_;
   std::optional<Ground> ground_;
+  // Explained::half of the state that was asked for last. Its memory is taken once: it may be a hundred megabytes.
+  std::vector<double> half_;
+  struct {
+    State state;
+    double design = 0.0;
+    Eigen::Index columns = -1;
+  } half_of_;
+  // By design effect and members in ascending order; of as many groups as there are now.
+  std::map<std::vector<double>, std::vector<Answer>> answers_;
   std::set<std::vector<int>> at_best_;  // a group, then all of its state in ascending order: no place is better
   std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order
 };

@@ -105,6 +105,32 @@ TEST(Scorer, AKeptStateGivesTheSameAdditionsWithoutAnyMember) {
   }
 }
 
+// An answer for more moves, or among more groups, serves where the one that is asked for follows from it.
+TEST(Scorer, WhatWasAskedBeforeIsAnsweredAlike) {
+  Rows rows = MakeRows(12);
+  rows.y += Harmonics(3).col(2) + 0.3 * Harmonics(3).col(4) + 0.2 * Harmonics(6).col(11);
+  Scorer known(rows, PairsAndCurve(8), Policy());
+  const std::vector<bool> none;
+  std::vector<bool> first_four(static_cast<size_t>(known.group_count()), false);
+  std::fill_n(first_four.begin(), 4, true);
+  std::vector<bool> pairs(static_cast<size_t>(known.group_count()), true);
+  pairs.back() = false;
+  for (const State& state : std::vector<State>{{}, {{1, 0.0}}, {{8, 0.05}}, {{1, 0.0}}}) {
+    for (const int most : {3, 1, 20, 2}) {
+      for (const std::vector<bool>& allowed : {none, first_four, pairs, none}) {
+        const std::vector<Move> moves = known.Additions(state, 1.4, allowed, most);
+        Scorer fresh(rows, PairsAndCurve(8), Policy());
+        const std::vector<Move> expected = fresh.Additions(state, 1.4, allowed, most);
+        ASSERT_EQ(moves.size(), expected.size());
+        for (size_t i = 0; i < moves.size(); ++i) {
+          EXPECT_EQ(moves[i].member.group, expected[i].member.group);
+          EXPECT_NEAR(moves[i].objective, expected[i].objective, kTolerance);
+        }
+      }
+    }
+  }
+}
+
 TEST(Scorer, WhatTheNuisanceExplainsOrAPriorForbidsIsNoEffect) {
   Rows rows = MakeRows(13);
   Eigen::MatrixXd columns(kRows, 2);
