@@ -70,9 +70,9 @@ def group(moves, others, machine):
                 if k > j + 1:
                     run += later[k - 1] + bent[i][k - 1] + 0.001
                 # An arc stays one, in some of its pieces at least: a block that brings the axes back is none. (One of a tenth of
-                # a millimetre may become straight.)
+                # a millimetre may become straight, and a full circle become chords, which cost less than an end a millimetre off.)
                 is_straightened = is_long and arcs[k] == arcs[j]
-                c = run + end[i][k - 1] + (20.0 if is_straightened else 0.0)
+                c = run + end[i][k - 1] + (1.0 if is_straightened else 0.0)
                 if c < new[k]:
                     new[k], origin[k] = c, j
         back.append(origin)
