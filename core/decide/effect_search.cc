@@ -233,9 +233,15 @@ std::map<int, double> EffectSearch::SearchRows(const effects::Linearised& linear
     starts[0].state.push_back({group, variance});
   }
   // A block of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
-  // refined, and one of two axes before those of one: at first all others are followed by themselves, too.
-  if (is_first) {
-    for (const Family family : {Family::kCurve, Family::kCrossed}) starts.push_back({{}, {static_cast<int>(family)}});
+  // refined, and one of two axes before those of one: at first, and where one was found, all others are followed by
+  // themselves, too. One for two is a step of the search, two for one are not.
+  for (const Family family : {Family::kCurve, Family::kCrossed}) {
+    const auto is_of_family = [&](const objective::Member& member) {
+      return scorer.group(member.group).family == static_cast<int>(family);
+    };
+    objective::State others = starts[0].state;
+    if (std::erase_if(others, is_of_family) == 0 && !is_first) continue;
+    starts.push_back({std::move(others), {static_cast<int>(family)}});
   }
   const objective::Found found = searcher.Search(starts);
   if (first != nullptr) Rank(scorer, design, catalogue, first);

@@ -62,6 +62,12 @@ TEST(Rates, CheckSessionsThatConvergeSlowlyAreJudged) {
   ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 61005), Kind::kDirty));
 }
 
+// A crossed error explains both straightness errors as long as what they miss makes the noise look larger; afterwards
+// two names for one block are no single step of the search.
+TEST(Rates, TwoErrorsAreFoundInPlaceOfABlockThatCameFirst) {
+  ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 940014), Kind::kDirty));
+}
+
 TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
   const Total total = JudgeMany(Kind::kDirtyNull, 20);
   EXPECT_EQ(total.spurious_cases, 0) << total.texts;
