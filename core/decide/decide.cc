@@ -436,7 +436,7 @@ class Decider {
       if (!best.ok()) which = 0;
       added.equivalent.clear();
       added.choice = {
-          loop::IsTerm(members[which].family) ? machine::NameOf(machine_, members[which].term) : "", {}, {}};
+          loop::IsTerm(members[which].family) ? machine::NameOf(machine_, members[which].term) : "", {}, {}, {}};
       // The simplest of names of one error everywhere may be another than the one that was fitted.
       const int fitted = first[which];
       if (models[fitted]) added.choice.as_found = *models[fitted];

@@ -58,6 +58,16 @@ std::vector<size_t> OfAccelerations(const Extension& extension, const std::vecto
   return out;
 }
 
+// What is held back may be there or not, and what was fitted beside it goes with it.
+predict::OpenChoice WhetherHeldBack(const machine::Machine& machine, const std::vector<int>& terms,
+                                    const machine::ErrorModel& as_found, const machine::ErrorModel& without) {
+  constexpr double kOdds = 1.0;  // nobody knows
+  predict::OpenChoice choice{"", as_found, {{without, kOdds}}, {}};
+  for (const int term : terms)
+    choice.overrules.push_back(machine::NameOf(machine, as_found.terms[static_cast<size_t>(term)]));
+  return choice;
+}
+
 // What the declared model leaves of the readings that the amplitudes are fitted to, mm rms.
 double LeftByDeclared(const loop::Report& report) {
   const identify::FitStatistics &fit = report.fit_before, &check = report.check_before;
@@ -98,11 +108,10 @@ std::vector<size_t> Hiding(const machine::Machine& machine, const Extension& ext
 absl::Status HoldBack(const machine::Machine& machine, const Extension& extension, const identify::Fit& fit,
                       const identify::Result& declared, const objective::Policy& policy,
                       const identify::Options& options, loop::Report* report) {
-  const auto over = [&](const machine::ErrorModel& before) {
-    return predict::BoxOdds::Over(machine, fit.problem.runs, before, KnownOf(machine, fit.result), report->choices);
+  const auto over = [&](const machine::ErrorModel& before, const std::vector<predict::OpenChoice>& choices) {
+    return predict::BoxOdds::Over(machine, fit.problem.runs, before, KnownOf(machine, fit.result), choices);
   };
-  const auto figures = over(report->declared);
-  if (figures == nullptr) return absl::OkStatus();
+  if (over(report->declared, {}) == nullptr) return absl::OkStatus();
   const predict::Worse worse{policy.harm_share, policy.harm_mm};
   std::vector<size_t> kept, out;  // effects that may be held back, those that are
   std::vector<int> terms;         // of those that are
@@ -110,11 +119,12 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     const loop::Candidate& candidate = extension.effects[i].candidate;
     if (IsTerm(candidate.family) && !std::holds_alternative<shapes::Constant>(candidate.term.shape)) kept.push_back(i);
   }
+  predict::OpenChoice whether_held_back;
   std::unique_ptr<const predict::BoxOdds> odds;
   double harm = 0.0;
   if (!kept.empty()) {
     ASSIGN_OR_RETURN(const identify::Fit constants, FitExtension(machine, Without(extension, kept), options));
-    odds = over(constants.result.model);
+    odds = over(constants.result.model, report->choices);
     harm = odds->ProbabilityOf(worse, fit.result.model);
   }
   const auto term_of = [&](size_t effect) -> const machine::ErrorTerm& {
@@ -130,6 +140,7 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   const auto fit_again = [&]() -> absl::Status {
     ASSIGN_OR_RETURN(const identify::Fit again, FitExtension(machine, Without(extension, out), options));
     report->fitted = again.result;
+    whether_held_back = WhetherHeldBack(machine, terms, fit.result.model, again.result.model);
     harm = odds->ProbabilityOf(worse, report->fitted.model);
     return absl::OkStatus();
   };
@@ -161,7 +172,9 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     std::vector<std::string> unknown;
     for (const identify::Estimate& estimate : report->fitted.estimates)
       if (!estimate.identifiable) unknown.push_back(estimate.name);
-    report->volumetric = figures->Figures(report->fitted.model, unknown);
+    std::vector<predict::OpenChoice> choices = report->choices;
+    if (!whether_held_back.rivals.empty()) choices.push_back(whether_held_back);
+    report->volumetric = over(report->declared, choices)->Figures(report->fitted.model, unknown);
   };
   take_figures();
   // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the

@@ -82,7 +82,7 @@ void AddImages(const Machine& machine, const std::vector<MeasuringRun>& runs, co
     choice->rivals.back().model.terms[static_cast<size_t>(at)] = image;
     if (odds > std::exp(-0.5 * rule.alike)) equivalent->push_back(image);
   }
-  if (is_alone && !choice->rivals.empty()) *choice = {machine::NameOf(machine, found), as_found, choice->rivals};
+  if (is_alone && !choice->rivals.empty()) *choice = {machine::NameOf(machine, found), as_found, choice->rivals, {}};
 }
 
 // Ranges of one axis that overlap are one structure, its place that of the strongest part.

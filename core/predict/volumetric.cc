@@ -131,27 +131,36 @@ class BoxOdds::Drawn {
       Eigen::Index count = 0;
       for (const OpenChoice& choice : choices) count += static_cast<Eigen::Index>(choice.rivals.size());
       columns_.resize(over.rows(), count);
+      std::vector<std::string> overruled;
+      for (const OpenChoice& choice : choices)
+        overruled.insert(overruled.end(), choice.overrules.begin(), choice.overrules.end());
+      // Of those that another one overrules, of that one, of all others.
+      Moments under{over.rows()}, ruling{over.rows()}, others{over.rows()};
+      double ruling_acts = 0.0;
       Eigen::Index at = 0;
       for (const OpenChoice& choice : choices) {
         const Eigen::VectorXd as_found = over.ErrorsOf(choice.as_found);
         double odds = 1.0;
         for (const OpenChoice::Rival& rival : choice.rivals) odds += rival.odds;
-        One& one = choices_.emplace_back(One{choice.name, at, {}, 0.0});
+        const bool is_under = std::find(overruled.begin(), overruled.end(), choice.name) != overruled.end();
+        One& one = choices_.emplace_back(One{choice.name, at, {}, 0.0, !choice.overrules.empty(), is_under});
         Eigen::VectorXd mean = Eigen::VectorXd::Zero(over.rows());
-        double squares = 0.0;
         for (const OpenChoice::Rival& rival : choice.rivals) {
           columns_.col(at) = over.ErrorsOf(rival.model) - as_found;
           const double probability = rival.odds / odds;
           one.probability.push_back(probability);
           mean += probability * columns_.col(at);
-          squares += probability * columns_.col(at).squaredNorm();
+          one.squares += probability * columns_.col(at).squaredNorm();
+          if (one.is_ruling) ruling_acts += probability;
           ++at;
         }
-        one.squares = squares;
-        scatter_ += squares - mean.squaredNorm();
-        mean_ = mean_.size() == 0 ? mean : Eigen::VectorXd(mean_ + mean);
+        (one.is_ruling ? ruling : is_under ? under : others).Add(mean, one.squares);
       }
-      if (mean_.size() == 0) mean_.setZero(over.rows());
+      const double left = 1.0 - ruling_acts;
+      mean_ = others.mean + ruling.mean + left * under.mean;
+      const double of_both =
+          ruling.scatter + ruling.mean.squaredNorm() + left * (under.scatter + under.mean.squaredNorm());
+      scatter_ = others.scatter + of_both - (ruling.mean + left * under.mean).squaredNorm();
     }
 
     const Eigen::MatrixXd& columns() const { return columns_; }
@@ -161,22 +170,28 @@ class BoxOdds::Drawn {
     // One where its rival acts.
     Eigen::VectorXd Draw(base::Random* random) const {
       Eigen::VectorXd acts = Eigen::VectorXd::Zero(columns_.cols());
+      bool is_overruled = false;
       for (const One& one : choices_) {
         double left = random->Uniform();
         for (size_t k = 0; k < one.probability.size(); ++k) {
           left -= one.probability[k];
           if (left >= 0.0) continue;
           acts[one.first + static_cast<Eigen::Index>(k)] = 1.0;
+          is_overruled |= one.is_ruling;
           break;
         }
       }
+      for (const One& one : choices_)
+        if (is_overruled && one.is_under)
+          acts.segment(one.first, static_cast<Eigen::Index>(one.probability.size())).setZero();
       return acts;
     }
     // Those that make at least kWeak of this sum of squares, the largest first.
     std::vector<std::string> Weak(double squares) const {
       std::vector<std::pair<double, std::string>> shares;
       for (const One& one : choices_)
-        if (one.squares > 0.0 && one.squares >= kWeak * squares) shares.emplace_back(-one.squares, one.name);
+        if (!one.name.empty() && one.squares > 0.0 && one.squares >= kWeak * squares)
+          shares.emplace_back(-one.squares, one.name);
       std::sort(shares.begin(), shares.end());
       std::vector<std::string> names;
       for (const auto& [share, name] : shares) names.push_back(name);
@@ -189,6 +204,17 @@ class BoxOdds::Drawn {
       Eigen::Index first = 0;
       std::vector<double> probability;
       double squares = 0.0;  // expected
+      bool is_ruling = false, is_under = false;
+    };
+    // Of a sum of independent choices.
+    struct Moments {
+      explicit Moments(Eigen::Index rows) : mean(Eigen::VectorXd::Zero(rows)) {}
+      void Add(const Eigen::VectorXd& one, double squares) {
+        mean += one;
+        scatter += squares - one.squaredNorm();
+      }
+      Eigen::VectorXd mean;
+      double scatter = 0.0;  // expected square of what is beside the mean
     };
     Eigen::MatrixXd columns_;
     std::vector<One> choices_;

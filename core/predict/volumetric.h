@@ -28,9 +28,12 @@ struct OpenChoice {
     machine::ErrorModel model;
     double odds = 0.0;  // against what was found
   };
-  std::string name;              // of the error that was found
+  std::string name;              // of the error that was found; "": of several at once
   machine::ErrorModel as_found;  // what the rivals were fitted beside
   std::vector<Rival> rivals;
+  // Choices by their names that are none where a rival of this one holds: it lacks the errors that they are of. One
+  // choice at most has some.
+  std::vector<std::string> overrules;
 };
 
 struct VolumetricError {

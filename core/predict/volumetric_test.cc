@@ -101,7 +101,8 @@ TEST(Volumetric, WhatCannotBeToldIsInTheInterval) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const std::vector<MeasuringRun> runs = {Measured()};
   const auto over = [&](double odds) {
-    return BoxOdds::Over(machine, runs, {}, Known(found), {{"EXX:linear", as_found, {{machine::ErrorModel(), odds}}}})
+    return BoxOdds::Over(machine, runs, {}, Known(found),
+                         {{"EXX:linear", as_found, {{machine::ErrorModel(), odds}}, {}}})
         ->Figures(as_found);
   };
   const VolumetricError as_good = over(1.0);
@@ -115,6 +116,29 @@ TEST(Volumetric, WhatCannotBeToldIsInTheInterval) {
   const VolumetricError unlikely = over(0.01);
   EXPECT_TRUE(unlikely.is_gain_held);
   EXPECT_NEAR(unlikely.after.high_mm, alone.after.high_mm, 0.3 * alone.after.high_mm);
+}
+
+// Where the error is not there at all, it is no other one either.
+TEST(Volumetric, AChoiceThatRulesLeavesOthersNothingToChoose) {
+  const std::string of = R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": )",
+                    more = R"(}], "covariance": {"of": ["EXX:linear"], "sigma": [0.01], "correlation": [[]]}})";
+  const machine::KnownErrors found = Known(of + "100" + more);
+  const machine::ErrorModel rival = Known(of + "40" + more).model;
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
+  const auto after = [&](const std::vector<std::string>& overrules) {
+    return BoxOdds::Over(machine, runs, {}, found,
+                         {{"EXX:linear", found.model, {{rival, 3.0}}, {}}, {"", found.model, {{{}, 0.25}}, overrules}})
+        ->Figures(found.model)
+        .after;
+  };
+  const double whole = Over("{}", of + "100" + more).uncorrected.expected_mm;
+  // In one of five it is not there: off by all of it; of the others three of four have 40 in its place.
+  const predict::RootMeanSquare ruled = after({"EXX:linear"}), free = after({});
+  EXPECT_NEAR(ruled.expected_mm, whole * std::sqrt(0.2 + 0.8 * 0.75 * 0.36), 1e-4 * whole);
+  EXPECT_NEAR(ruled.high_mm, whole, 1e-3 * whole);
+  EXPECT_NEAR(free.expected_mm, whole * std::sqrt(0.8 * 0.75 * 0.36 + 0.2 * 0.25 + 0.2 * 0.75 * 2.56), 1e-4 * whole);
+  EXPECT_NEAR(free.high_mm, 1.6 * whole, 1e-3 * whole);
 }
 
 // Where the tool's point is and where the work stands is set anew for each part.
@@ -169,8 +193,10 @@ TEST(BoxOdds, WithoutAnErrorTheOthersTakeItsPlace) {
       {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 20},
       {"symbol": "EXY", "shape": "linear", "variable": "X", "amplitude": 10}],
       "covariance": {"of": ["EXX:linear", "EXY:linear(X)"], "sigma": [50, 50], "correlation": [[], [-0.9999]]}})json");
-  const auto odds = BoxOdds::Over(machine, runs, Known(R"({"terms": [
-      {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 30}]})").model,
+  const auto odds = BoxOdds::Over(machine, runs,
+                                  Known(R"({"terms": [
+      {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 30}]})")
+                                      .model,
                                   found);
   EXPECT_GT(odds->ProbabilityOf({0.1, 1e-6}, machine::ErrorModel({{found.model.terms[0]}})), 0.9);
   EXPECT_EQ(odds->ProbabilityWithout({1}, {0.1, 1e-6}), 0.0);  // as what was corrected before
