@@ -11,9 +11,10 @@
 namespace axiscal::nc {
 namespace {
 
-// Along a piece, where what is left is looked at: at both ends, and between them every so often.
-constexpr double kLookMm = 5.0;
-constexpr int kLeastLooks = 4, kMostLooks = 200;
+// Along a piece, where what is left is looked at: at both ends, and between them every so often. Errors that come again
+// with each turn of a screw (some 10 mm) and turns of short arcs are then seen within some per cent.
+constexpr double kLookMm = 1.0;
+constexpr int kLeastLooks = 12, kMostLooks = 1000;
 constexpr char kBesideIt[] = "the cutter's centre stands beside the contour, where errors differ";
 constexpr char kHeldThere[] =
     "the move has no part in X and Y, and with a correction there the control would offset the cutter";
@@ -113,8 +114,8 @@ absl::StatusOr<double> Rewriter::Impl::LeftAlong(const ContourPiece& nominal, co
   centre.is_arc = false;
   const int looks = std::clamp(static_cast<int>(std::ceil(nominal.Length() / kLookMm)), kLeastLooks, kMostLooks);
   // Of the centre's path: Z in mm for each mm in X and Y.
-  const double slope = Mm(step.end.ticks[z] - step.start.ticks[z]) * (written.end_fraction - first) /
-                       contour.OffsetLength(nominal);
+  const double slope =
+      Mm(step.end.ticks[z] - step.start.ticks[z]) * (written.end_fraction - first) / contour.OffsetLength(nominal);
   double worst_mm = 0;
   for (int look = 0; look <= looks; ++look) {
     const double t = static_cast<double>(look) / looks, fraction = first + t * (written.end_fraction - first);

@@ -432,7 +432,7 @@ class Comparison:
                     off = sub(off, [dot(off, path) * v for v in path])
                 across = dot(off, wall)
                 high = math.sqrt(max(dot(off, off) - across * across, 0.0))
-                most = 1.05 * limits.contour_mm + limits.end_mm  # the report looks at some points of the move, and says two digits
+                most = limits.contour_mm + limits.end_mm
                 if abs(across) > most or high > most:
                     return "the cutter is %.5f mm off across the contour, %.5f along the tool, and %.5f are reported" % (
                         across, high, limits.contour_mm)

@@ -265,10 +265,10 @@ class Control:
             return self.pos[axis] + value
         goal = value + self.offset(axis)
         if self.rollover.get(axis) == "shortest":
-            travel = math.fmod(round(goal - self.pos[axis], 9), 360.0)  # half a turn is one on both sides of a rounding
+            travel = math.fmod(round(goal - self.pos[axis], 9), 360.0)
             if travel > 180.0:
                 travel -= 360.0
-            elif travel < -180.0:
+            elif travel <= -180.0:  # half a turn goes one way, from whichever turn and on both sides of a rounding
                 travel += 360.0
             return self.pos[axis] + travel
         if self.rollover.get(axis) == "difference":
