@@ -111,7 +111,8 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   const auto over = [&](const machine::ErrorModel& before, const std::vector<predict::OpenChoice>& choices) {
     return predict::BoxOdds::Over(machine, fit.problem.runs, before, KnownOf(machine, fit.result), choices);
   };
-  if (over(report->declared, {}) == nullptr) return absl::OkStatus();
+  std::unique_ptr<const predict::BoxOdds> figures = over(report->declared, report->choices);
+  if (figures == nullptr) return absl::OkStatus();
   const predict::Worse worse{policy.harm_share, policy.harm_mm};
   std::vector<size_t> kept, out;  // effects that may be held back, those that are
   std::vector<int> terms;         // of those that are
@@ -119,7 +120,6 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     const loop::Candidate& candidate = extension.effects[i].candidate;
     if (IsTerm(candidate.family) && !std::holds_alternative<shapes::Constant>(candidate.term.shape)) kept.push_back(i);
   }
-  predict::OpenChoice whether_held_back;
   std::unique_ptr<const predict::BoxOdds> odds;
   double harm = 0.0;
   if (!kept.empty()) {
@@ -140,7 +140,9 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
   const auto fit_again = [&]() -> absl::Status {
     ASSIGN_OR_RETURN(const identify::Fit again, FitExtension(machine, Without(extension, out), options));
     report->fitted = again.result;
-    whether_held_back = WhetherHeldBack(machine, terms, fit.result.model, again.result.model);
+    std::vector<predict::OpenChoice> choices = report->choices;
+    choices.push_back(WhetherHeldBack(machine, terms, fit.result.model, again.result.model));
+    figures = over(report->declared, choices);
     harm = odds->ProbabilityOf(worse, report->fitted.model);
     return absl::OkStatus();
   };
@@ -172,9 +174,7 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     std::vector<std::string> unknown;
     for (const identify::Estimate& estimate : report->fitted.estimates)
       if (!estimate.identifiable) unknown.push_back(estimate.name);
-    std::vector<predict::OpenChoice> choices = report->choices;
-    if (!whether_held_back.rivals.empty()) choices.push_back(whether_held_back);
-    report->volumetric = over(report->declared, choices)->Figures(report->fitted.model, unknown);
+    report->volumetric = figures->Figures(report->fitted.model, unknown);
   };
   take_figures();
   // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the
