@@ -51,6 +51,7 @@ absl::Status SyncFolder(const std::string& path) {
   return status;
 }
 
+// With what SQLite leaves beside it.
 void Remove(const std::string& path) {
   for (const char* const end : {"", "-journal", "-wal", "-shm"}) unlink((path + end).c_str());
 }
@@ -190,30 +191,84 @@ absl::Status DamagedStore(const std::string& path, const CheckReport& report, co
                      absl::StrCat(path, " is damaged in ", report.damage_count, " places: ", texts), {reason, {}});
 }
 
-// Merges the log of a file that a crash has left, so that nothing of it stands beside the file. What cannot be opened
-// is damaged anyway: its log goes with it.
-void MergeLog(const std::string& path, const std::string& aside) {
-  const absl::StatusOr<int64_t> size = SizeOf(path);
-  if (size.ok() && *size > 0) static_cast<void>(SqliteConnection::Open(path, Access::kWrite));
-  for (const char* const end : {"-wal", "-shm"}) {
-    if (Exists(path + end)) std::rename((path + end).c_str(), (aside + end).c_str());
-  }
+// What stands beside a database and is part of it.
+constexpr const char* kBeside[] = {"-journal", "-wal"};
+
+// Whether the file is so damaged that nothing can be got out of its log.
+bool IsDamaged(const absl::Status& status) {
+  return absl::IsDataLoss(status) || base::ErrorReason(status) == "NOT_A_DATABASE";
 }
 
-// `aside` is what `path` was, and the other way round: at once where the file system can do that.
-absl::Status Exchange(const std::string& path, const std::string& aside) {
-  if (renameat2(AT_FDCWD, aside.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0) return SyncFolder(path);
-  const std::string between = aside + ".new";
-  if (std::rename(aside.c_str(), between.c_str()) != 0 || std::rename(path.c_str(), aside.c_str()) != 0 ||
-      std::rename(between.c_str(), path.c_str()) != 0)
-    return SystemError(path);
-  return SyncFolder(path);
+// Merges the log of a file that a crash has left, so that nothing of it stands beside the file.
+absl::Status MergeLog(const std::string& path) {
+  ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(path, Access::kWrite));
+  sqlite3* const db = connection->handle();
+  const int code = sqlite3_wal_checkpoint_v2(db, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : SqliteError(db, path);
 }
+
+// What stands beside a file that is replaced: left there it would be taken for that of the new one. It stays under the
+// names of `aside`, unless PutBack().
+class Beside {
+ public:
+  Beside(std::string path, std::string aside) : path_(std::move(path)), aside_(std::move(aside)) {}
+  absl::Status PutAside() {
+    for (const char* const end : kBeside) {
+      if (Exists(path_ + end) && std::rename((path_ + end).c_str(), (aside_ + end).c_str()) != 0)
+        return SystemError(path_ + end);
+    }
+    unlink((path_ + "-shm").c_str());
+    // Names may reach the disk in any order.
+    return SyncFolder(path_);
+  }
+  void PutBack() {
+    for (const char* const end : kBeside) {
+      if (Exists(aside_ + end)) std::rename((aside_ + end).c_str(), (path_ + end).c_str());
+    }
+  }
+
+ private:
+  const std::string path_, aside_;
+};
 
 // A crash leaves the one or the other. What had the name goes.
 absl::Status PlaceFile(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) return SystemError(to);
   return SyncFolder(to);
+}
+
+// Likewise, but `aside` is what `to` was. A crash in between leaves a file of two names, of which FileLock::Take()
+// takes the second one away. Where the file system knows no second names (FAT), nothing has the name `to` for a moment.
+absl::Status PlaceFileAndKeep(const std::string& from, const std::string& to, const std::string& aside) {
+  const bool has_both = link(to.c_str(), aside.c_str()) == 0;
+  if (!has_both && errno != EPERM && errno != EOPNOTSUPP && errno != ENOSYS) return SystemError(aside);
+  if (!has_both && std::rename(to.c_str(), aside.c_str()) != 0) return SystemError(aside);
+  const absl::Status placed = PlaceFile(from, to);
+  if (Exists(from)) {  // it was not placed
+    has_both ? unlink(aside.c_str()) : std::rename(aside.c_str(), to.c_str());
+  }
+  return placed;
+}
+
+// `copy` in the place of the database at `path`, which is kept as `aside`, with what stands beside it.
+absl::Status Replace(const std::string& copy, const std::string& path, const std::string& aside) {
+  ASSIGN_OR_RETURN(const int64_t size, SizeOf(path));
+  // What cannot be merged for another reason than damage may hold what was acknowledged last.
+  const absl::Status merged = size == 0 ? absl::OkStatus() : MergeLog(path);
+  if (!merged.ok() && !IsDamaged(merged)) {
+    return base::Within(path + " and its log cannot be kept as one file; to restore all the same, move both away",
+                        merged);
+  }
+  Beside beside(path, aside);
+  absl::Status placed = beside.PutAside();
+  if (placed.ok()) placed = PlaceFileAndKeep(copy, path, aside);
+  if (Exists(copy)) beside.PutBack();  // it was not placed
+  return placed;
+}
+
+void RemoveEmpty(const std::string& path) {
+  const absl::StatusOr<int64_t> size = SizeOf(path);
+  if (size.ok() && *size == 0) unlink(path.c_str());
 }
 
 }  // namespace
@@ -249,7 +304,7 @@ absl::StatusOr<CheckReport> RestoreStore(const std::string& backup, const std::s
   RETURN_IF_ERROR(CheckFile(backup, EmbeddedMigrations()));
   const bool was_there = Exists(path);
   ASSIGN_OR_RETURN(const FileLock lock, FileLock::Take(path));
-  const std::string aside = lock.path() + ".replaced", copy = lock.path() + ".restoring";
+  const std::string aside = KeptPath(lock.path()), copy = lock.path() + ".restoring";
   const auto restore = [&]() -> absl::StatusOr<CheckReport> {
     if (Exists(aside)) {
       return base::Error(absl::StatusCode::kFailedPrecondition,
@@ -261,14 +316,15 @@ absl::StatusOr<CheckReport> RestoreStore(const std::string& backup, const std::s
       Remove(copy);
       return DamagedStore(backup, copied.report, "BACKUP_DAMAGED");
     }
-    MergeLog(lock.path(), aside);
-    if (std::rename(copy.c_str(), aside.c_str()) != 0) return SystemError(copy);
-    RETURN_IF_ERROR(Exchange(lock.path(), aside));
+    const absl::Status placed = Replace(copy, lock.path(), aside);
+    Remove(copy);
+    RETURN_IF_ERROR(placed);
     return copied.report;
   };
   absl::StatusOr<CheckReport> report = restore();
   // The lock has made an empty file where there was none.
-  if (!was_there) unlink((report.ok() ? aside : lock.path()).c_str());
+  if (!was_there) RemoveEmpty(lock.path());
+  if (!was_there) RemoveEmpty(aside);
   return report;
 }
 

@@ -25,8 +25,10 @@ absl::Status MergeBeside(const std::string& path);
 
 // Puts the backup in the place of the database at `path`, which no server may have. The backup is looked through first:
 // DATA_LOSS BACKUP_DAMAGED names what is damaged, unless `take_damaged`. What was there is kept as "PATH.replaced", or,
-// where there is such a file already, FAILED_PRECONDITION RESTORE_KEPT says so before anything is changed. Killed at
-// any moment, `path` is either what it was or the backup, whole.
+// where there is such a file already, FAILED_PRECONDITION RESTORE_KEPT says so before anything is changed. Where a
+// crash has left a log beside the database, it is merged first; what cannot be is an error, unless
+// the database is damaged: then its log is kept beside "PATH.replaced". Killed at any moment, and after an error,
+// `path` is either what it was or the backup, whole.
 absl::StatusOr<CheckReport> RestoreStore(const std::string& backup, const std::string& path, bool take_damaged);
 
 struct CompactResult {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
 #include "server/storage/check.h"
+#include "server/storage/file_lock.h"
 #include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -180,6 +182,36 @@ TEST_F(Backup, IsRestoredBesideTheLogOfACrash) {
   EXPECT_FALSE(std::filesystem::exists(target + "-wal"));
   EXPECT_TRUE(absl::IsNotFound(OpenFile(target)->GetMachine(MachineId("later")).status()));
   EXPECT_TRUE(OpenFile(target + ".replaced")->GetMachine(MachineId("later")).ok());
+}
+
+// A first start that was cut off leaves an empty file and the journal of its first pages: SQLite empties whatever it
+// finds beside that journal later.
+TEST_F(Backup, IsRestoredBesideTheJournalOfAFirstStart) {
+  const SessionId stored = StoreSession(*database_, 3);
+  const std::string path = Copy("copy.db"), begun = folder_.File("begun.db"), target = folder_.File("cut-off.db");
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(begun.c_str(), &db), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db,
+                         "PRAGMA cache_size = 2; BEGIN; CREATE TABLE t (x);"
+                         "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 3000)"
+                         " INSERT INTO t SELECT randomblob (500) FROM n",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  std::filesystem::copy_file(begun + "-journal", target + "-journal");
+  sqlite3_close(db);
+  std::ofstream(target).flush();
+  ASSERT_TRUE(RestoreStore(path, target, false).ok());
+  EXPECT_TRUE(OpenFile(target)->ReadSession(stored).ok());
+}
+
+// A restore that was killed when the database had its second name already.
+TEST_F(Backup, ASecondNameThatARestoreHasLeftIsTakenAway) {
+  StoreSession(*database_, 1);
+  database_.Close();
+  ASSERT_EQ(link(database_.path().c_str(), KeptPath(database_.path()).c_str()), 0);
+  database_.Open();
+  EXPECT_FALSE(std::filesystem::exists(KeptPath(database_.path())));
+  EXPECT_TRUE(database_->ReadSession(SessionId(1)).ok());
 }
 
 TEST_F(Backup, CompactingGivesBackWhatWasRemoved) {

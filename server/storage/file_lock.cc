@@ -74,6 +74,14 @@ bool IsForeign(int descriptor, off_t size) {
 
 }  // namespace
 
+std::string KeptPath(const std::string& path) { return path + ".replaced"; }
+
+bool IsSameFile(const std::string& a, const std::string& b) {
+  struct stat of_a, of_b;
+  return lstat(a.c_str(), &of_a) == 0 && lstat(b.c_str(), &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
 // The files that this process holds.
 class FileLock::Held {
  public:
@@ -117,6 +125,10 @@ absl::StatusOr<FileLock> FileLock::Take(const std::string& path) {
   if (lock.descriptor_ < 0) return CannotOpen(lock.path_);
   ASSIGN_OR_RETURN(const bool is_ours, LockByte(lock.path_, lock.descriptor_));
   if (!is_ours) return Locked(lock.path_);
+  if (info.st_nlink > 1 && IsSameFile(lock.path_, KeptPath(lock.path_))) {
+    if (unlink(KeptPath(lock.path_).c_str()) != 0 || stat(lock.path_.c_str(), &info) != 0)
+      return CannotOpen(lock.path_);
+  }
   if (info.st_nlink > 1) {
     return base::Error(absl::StatusCode::kFailedPrecondition,
                        absl::StrCat(lock.path_, ": the file has ", info.st_nlink,

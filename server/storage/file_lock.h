@@ -11,6 +11,12 @@
 
 namespace axiscal::storage {
 
+// Where a restore keeps what was at `path` before: "PATH.replaced".
+std::string KeptPath(const std::string& path);
+
+// Whether both are names of one file.
+bool IsSameFile(const std::string& a, const std::string& b);
+
 // Two locks: an OFD lock on the last possible byte of the database file itself, which no other name of the file gets
 // round and which is far from the bytes that SQLite locks; and an flock on "FILE.lock" beside it, which tells the
 // process that holds it and which versions before this one know.
@@ -22,7 +28,8 @@ class FileLock {
   // Of the database at `path`, which is made, empty, when it is missing. What is no database gets no "FILE.lock".
   //   UNAVAILABLE STORE_LOCKED names the process that holds it, if it can; FAILED_PRECONDITION STORE_READ_ONLY;
   //   FAILED_PRECONDITION STORE_LINKED for a file with hard links: SQLite's log stands beside one of its names, and
-  //   opened by another the file lacks what was written last.
+  //   opened by another the file lacks what was written last. A second name that a restore was killed over (KeptPath())
+  //   is taken away.
   static absl::StatusOr<FileLock> Take(const std::string& path);
   FileLock(FileLock&& other) noexcept
       : path_(std::move(other.path_)),
