@@ -4,13 +4,16 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "absl/time/time.h"
 #include "core/base/clock.h"
 #include "core/base/utf8.h"
 #include "server/storage/backup.h"
 #include "server/storage/check.h"
 #include "server/storage/copy_store.h"
+#include "server/storage/file_lock.h"
 #include "server/storage/migrate.h"
 #include "server/storage/postgres_url.h"
+#include "server/storage/undone.h"
 
 namespace axiscal::server {
 namespace {
@@ -40,6 +43,25 @@ int Tell(const std::string& path, const storage::CheckReport& report) {
   return report.damage_count == 0 ? 0 : kDamaged;
 }
 
+// What somebody counts on that the backup does not know.
+void TellUndone(const std::string& kept, const std::string& path) {
+  const absl::StatusOr<std::vector<storage::AuditEntry>> undone = storage::UndoneByRestore(kept, path);
+  if (!undone.ok()) {
+    Print("what this has undone cannot be told (" + base::ToUtf8(std::string(undone.status().message())) + ")");
+    return;
+  }
+  for (const storage::AuditEntry& entry : *undone) {
+    Print(absl::StrCat(
+        "UNDONE ",
+        absl::FormatTime("%Y-%m-%d %H:%M:%SZ", absl::FromUnixMicros(base::ToUtcUs(entry.at)), absl::UTCTimeZone()), " ",
+        entry.principal, " ", entry.action, " ", entry.resource));
+  }
+  if (!undone->empty()) {
+    Print("what was revoked or taken away is good again until that is done anew (axiscal --db " + path +
+          " admin ..., before a server has it)");
+  }
+}
+
 }  // namespace
 
 int CheckOffline(const std::string& path) {
@@ -52,10 +74,12 @@ int RestoreOffline(const std::string& backup, const std::string& path, bool take
   const absl::StatusOr<storage::CheckReport> report = storage::RestoreStore(backup, path, take_damaged);
   if (!report.ok()) return Fail(report.status());
   const int code = Tell(path, *report);
-  const std::string aside = path + ".replaced";
   std::error_code error;
+  const std::filesystem::path resolved = std::filesystem::canonical(path, error);
+  const std::string aside = storage::KeptPath(error ? path : resolved.string());
   const bool was_there = std::filesystem::exists(aside, error);
   Print("restored from " + backup + (was_there ? "; what was there before is " + aside : ""));
+  if (was_there) TellUndone(aside, path);
   return code;
 }
 

@@ -17,10 +17,12 @@
 #include "server/storage/file_lock.h"
 #include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
+#include "server/storage/undone.h"
 
 namespace axiscal::storage {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::unique_ptr<Database> OpenFile(const std::string& path) {
@@ -202,6 +204,31 @@ TEST_F(Backup, IsRestoredBesideTheJournalOfAFirstStart) {
   std::ofstream(target).flush();
   ASSERT_TRUE(RestoreStore(path, target, false).ok());
   EXPECT_TRUE(OpenFile(target)->ReadSession(stored).ok());
+}
+
+// Who was revoked since the backup is let in again: whoever restores it is told.
+TEST_F(Backup, TellsWhatItsRestoringUndoes) {
+  const Caller ann = {"ann", ""};
+  for (const char* const name : {"bob", "cell-7"}) ASSERT_TRUE(database_->CreatePrincipal(name, "", ann).ok());
+  const records::Grant viewer = {records::Role::kViewer, {}};
+  ASSERT_TRUE(database_->ChangeRole("bob", viewer, true, ann).ok());
+  const std::string path = Copy("copy.db");
+  ASSERT_TRUE(database_->CreatePrincipal("later", "", ann).ok());
+  ASSERT_TRUE(database_->RevokePrincipal("cell-7", ann).ok());
+  ASSERT_TRUE(database_->ChangeRole("bob", viewer, false, ann).ok());
+  database_.Close();
+  ASSERT_TRUE(RestoreStore(path, database_.path(), false).ok());
+  const auto undone = UndoneByRestore(KeptPath(database_.path()), database_.path());
+  ASSERT_TRUE(undone.ok()) << undone.status();
+  std::vector<std::string> texts;
+  for (const AuditEntry& entry : *undone) texts.push_back(entry.action + " " + entry.resource);
+  EXPECT_THAT(texts, ElementsAre("principal.revoke principals/cell-7", "role.take principals/bob"));
+  // What is no backup of it says nothing of it.
+  const std::string other = folder_.File("other.db");
+  ASSERT_TRUE(OpenFile(other)->CreatePrincipal("cell-7", "", ann).ok());
+  const auto of_other = UndoneByRestore(KeptPath(database_.path()), other);
+  ASSERT_TRUE(of_other.ok()) << of_other.status();
+  EXPECT_TRUE(of_other->empty());
 }
 
 // A restore that was killed when the database had its second name already.
