@@ -102,26 +102,30 @@ class Faults : public ::testing::TestWithParam<Fault> {
     Print(name, sum, step == 1);
   }
 
-  // What puts a file in the place of another: `path` opens afterwards and is whole, as it was or as it was to become.
-  void ExhaustReplacement(const std::string& name, const std::function<absl::Status(const std::string& path)>& replace,
-                          const std::function<void(const std::string& path, bool is_done)>& look) {
+  // What makes a file or puts one in the place of another: `path` as `prepare` has left it, then `replace` with a
+  // fault. `look` says what may be there then; afterwards `replace` works.
+  struct Replacement {
+    std::string name;
+    std::function<void(const std::string& path)> prepare;
+    std::function<absl::Status(const std::string& path)> replace;
+    std::function<void(const std::string& path, bool is_done, const std::string& what)> look;
+    int64_t step = 17;  // of the bounded run, as kStep
+  };
+  void Exhaust(const Replacement& replacement) {
     const std::string path = folder_.File("axiscal.db");
     Sum sum;
     bool has_come = true;
-    for (int64_t n = 1; has_come && !HasFatalFailure(); n += IsLong() ? 1 : 17) {
-      for (const char* const end :
-           {".replaced", ".replaced-wal", ".replaced-shm", ".restoring", ".restoring.part", ".compacting"})
-        std::filesystem::remove(path + end);
-      Clear(path, "");
-      DEMAND(OpenAt(path)->CreateMachine(MachineId("old"), "{}", kAnn).ok());
-      const std::string what = absl::StrCat(NameOf(GetParam()), " at operation ", n, " of ", name);
+    for (int64_t n = 1; has_come && !HasFatalFailure(); n += IsLong() ? 1 : replacement.step) {
+      ClearAll(path);
+      replacement.prepare(path);
+      const std::string what = absl::StrCat(NameOf(GetParam()), " at operation ", n, " of ", replacement.name);
       bool is_done = false;
       if (GetParam() == Fault::kKill) {
         const pid_t child = fork();
         DEMAND(child >= 0);
         if (child == 0) {
           ArmFault(GetParam(), n, 0);
-          _exit(replace(path).ok() ? 0 : 1);
+          _exit(replacement.replace(path).ok() ? 0 : 1);
         }
         int status = 0;
         DEMAND(waitpid(child, &status, 0) == child);
@@ -129,23 +133,34 @@ class Faults : public ::testing::TestWithParam<Fault> {
         is_done = !has_come && WEXITSTATUS(status) == 0;
       } else {
         ArmFault(GetParam(), n, static_cast<uint32_t>(n));
-        is_done = replace(path).ok();
+        is_done = replacement.replace(path).ok();
         has_come = DisarmFault();
       }
       ++sum.moments;
       sum.faults += has_come ? 1 : 0;
       sum.last = n;
       EXPECT_TRUE(has_come || is_done) << what;
-      const auto report = CheckStoreFile(path);
-      ASSERT_TRUE(report.ok()) << what << ": " << report.status();
-      EXPECT_EQ(report->damage_count, 0) << what << ": " << report->damages[0].text;
-      sum.damaged += report->damage_count > 0 ? 1 : 0;
-      look(path, is_done);
+      const bool failed_before = HasFailure();
+      replacement.look(path, is_done, what);
+      sum.lost += HasFailure() && !failed_before ? 1 : 0;
       std::filesystem::remove(path + ".replaced");
-      EXPECT_TRUE(replace(path).ok()) << what << ": it fails afterwards";
+      std::filesystem::remove(path + ".copy");
+      const absl::Status again = replacement.replace(path);
+      EXPECT_TRUE(again.ok()) << what << ": it fails afterwards: " << again;
     }
     EXPECT_GT(sum.faults, 3);
-    Print(name, sum, IsLong());
+    Print(replacement.name, sum, IsLong());
+  }
+  static void ClearAll(const std::string& path) {
+    Clear(path, "");
+    for (const char* const end : {".replaced", ".replaced-journal", ".replaced-wal", ".restoring", ".restoring.part",
+                                  ".restoring-journal", ".compacting"})
+      std::filesystem::remove(path + end);
+  }
+  static void ExpectWhole(const std::string& path, const std::string& what) {
+    const auto report = CheckStoreFile(path);
+    ASSERT_TRUE(report.ok()) << what << ": " << report.status();
+    EXPECT_EQ(report->damage_count, 0) << what << ": " << report->damages[0].text;
   }
   static void Print(const std::string& name, const Sum& sum, bool is_each) {
     PrintRow(NameOf(GetParam()), name, absl::StrFormat("operations 1 to %4d%s", sum.last, is_each ? "" : ", some"),
@@ -160,24 +175,105 @@ TEST_P(Faults, OfANewFile) { Exhaust("new file", ""); }
 // The migration may be cut in half.
 TEST_P(Faults, OfAnOldFile) { Exhaust("old file", OldDump()); }
 
+void MakeOld(const std::string& path) { DEMAND(OpenAt(path)->CreateMachine(MachineId("old"), "{}", kAnn).ok()); }
+
+// As a crash leaves it: what was acknowledged last stands in the log beside it alone.
+void MakeCrashed(const std::string& path) {
+  const std::string made = path + ".made";
+  Clear(made, "");
+  const std::unique_ptr<Database> database = OpenAt(made);
+  DEMAND(database->CreateMachine(MachineId("old"), "{}", kAnn).ok());
+  for (const char* const end : {"", "-wal"}) std::filesystem::copy_file(made + end, path + end);
+  DEMAND(std::filesystem::file_size(path + "-wal") > 0);
+}
+
+std::string MakeBackup(const std::string& path) {
+  DEMAND(OpenAt(path)->CreateMachine(MachineId("of backup"), "{}", kAnn).ok());
+  return path;
+}
+
+// What was there before, whole, or the backup.
+void ExpectOldOrBackup(const std::string& path, bool is_done, const std::string& what) {
+  const std::unique_ptr<Database> database = OpenAt(path);
+  ASSERT_NE(database, nullptr) << what;
+  const bool is_old = database->GetMachine(MachineId("old")).ok();
+  EXPECT_NE(is_old, database->GetMachine(MachineId("of backup")).ok()) << what;
+  EXPECT_FALSE(is_old && is_done) << what;
+}
+
 TEST_P(Faults, OfARestore) {
-  const std::string backup = folder_.File("backup.db");
-  DEMAND(OpenAt(backup)->CreateMachine(MachineId("of backup"), "{}", kAnn).ok());
-  ExhaustReplacement(
-      "restore", [&](const std::string& path) { return RestoreStore(backup, path, false).status(); },
-      [](const std::string& path, bool is_done) {
-        const std::unique_ptr<Database> database = OpenAt(path);
-        ASSERT_NE(database, nullptr);
-        const bool is_old = database->GetMachine(MachineId("old")).ok();
-        EXPECT_NE(is_old, database->GetMachine(MachineId("of backup")).ok());
-        EXPECT_FALSE(is_old && is_done);
-      });
+  const std::string backup = MakeBackup(folder_.File("backup.db"));
+  Exhaust({"restore", MakeOld, [&](const std::string& path) { return RestoreStore(backup, path, false).status(); },
+           [&](const std::string& path, bool is_done, const std::string& what) {
+             ExpectOldOrBackup(path, is_done, what);
+             ExpectWhole(path, what);
+           }});
+}
+
+TEST_P(Faults, OfARestoreOverWhatACrashHasLeft) {
+  const std::string backup = MakeBackup(folder_.File("backup.db"));
+  Exhaust({"restore over a log", MakeCrashed,
+           [&](const std::string& path) { return RestoreStore(backup, path, false).status(); },
+           [&](const std::string& path, bool is_done, const std::string& what) {
+             ExpectOldOrBackup(path, is_done, what);
+             ExpectWhole(path, what);
+           }});
+}
+
+// Nothing is there, or the backup: never part of it.
+TEST_P(Faults, OfARestoreToWhereNothingIs) {
+  const std::string backup = MakeBackup(folder_.File("backup.db"));
+  Exhaust({"restore of a new file", [](const std::string&) {},
+           [&](const std::string& path) { return RestoreStore(backup, path, false).status(); },
+           [&](const std::string& path, bool is_done, const std::string& what) {
+             const bool is_there = std::filesystem::exists(path) && std::filesystem::file_size(path) > 0;
+             EXPECT_TRUE(is_there || !is_done) << what;
+             if (!is_there) return;
+             EXPECT_TRUE(OpenAt(path)->GetMachine(MachineId("of backup")).ok()) << what;
+             ExpectWhole(path, what);
+           }});
+}
+
+// The copy is whole where it has its name; the database is as it was.
+TEST_P(Faults, OfABackup) {
+  Exhaust({"backup", MakeOld,
+           [](const std::string& path) {
+             const std::unique_ptr<Database> database = OpenAt(path);
+             if (database == nullptr) return absl::UnavailableError("does not open");
+             return database->Backup(path + ".copy", nullptr).status();
+           },
+           [&](const std::string& path, bool is_done, const std::string& what) {
+             EXPECT_TRUE(OpenAt(path)->GetMachine(MachineId("old")).ok()) << what;
+             ExpectWhole(path, what);
+             EXPECT_TRUE(std::filesystem::exists(path + ".copy") || !is_done) << what;
+             if (!std::filesystem::exists(path + ".copy")) return;
+             EXPECT_TRUE(OpenAt(path + ".copy")->GetMachine(MachineId("old")).ok()) << what;
+             ExpectWhole(path + ".copy", what);
+           }});
 }
 
 TEST_P(Faults, OfACompacting) {
-  ExhaustReplacement(
-      "compact", [](const std::string& path) { return CompactStore(path).status(); },
-      [](const std::string& path, bool) { EXPECT_TRUE(OpenAt(path)->GetMachine(MachineId("old")).ok()); });
+  Exhaust({"compact", MakeOld, [](const std::string& path) { return CompactStore(path).status(); },
+           [&](const std::string& path, bool, const std::string& what) {
+             EXPECT_TRUE(OpenAt(path)->GetMachine(MachineId("old")).ok()) << what;
+             ExpectWhole(path, what);
+           }});
+}
+
+// A database that was hardly begun is replaced, with what stands beside it: nothing of that is taken for the backup's.
+TEST_P(Faults, OfAFirstStartOverWhichABackupIsRestored) {
+  const std::string backup = MakeBackup(folder_.File("backup.db"));
+  Exhaust({"first start", [](const std::string&) {},
+           [](const std::string& path) {
+             return OpenAt(path) == nullptr ? absl::UnavailableError("does not open") : absl::OkStatus();
+           },
+           [&](const std::string& path, bool, const std::string& what) {
+             const auto restored = RestoreStore(backup, path, false);
+             ASSERT_TRUE(restored.ok()) << what << ": " << restored.status();
+             EXPECT_TRUE(OpenAt(path)->GetMachine(MachineId("of backup")).ok()) << what;
+             ExpectWhole(path, what);
+           },
+           97});
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheDisk, Faults,

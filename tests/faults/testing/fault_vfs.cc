@@ -6,28 +6,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <random>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "core/base/demand.h"
 #include "core/base/mutex.h"
 
 namespace axiscal::testing {
 namespace {
-
-constexpr int64_t kSectorBytes = 512;
-
-// What a write or truncation that was not synced has replaced.
-struct Replaced {
-  int64_t offset = 0;
-  int64_t end = 0;       // of what it wrote
-  int64_t old_size = 0;  // of the file
-  std::string old_bytes;
-};
 
 // One for the process; all under the mutex.
 struct Disk {
@@ -36,7 +23,7 @@ struct Disk {
   int64_t count = 0, fails_at = 0;
   bool has_failed = false;
   uint32_t seed = 0;
-  std::map<std::string, std::vector<Replaced>> not_synced;
+  Unsynced unsynced;  // looked after where a power loss is to come
 };
 Disk& TheDisk() {
   static auto* const disk = new Disk;
@@ -44,16 +31,15 @@ Disk& TheDisk() {
 }
 
 sqlite3_vfs* base_vfs = nullptr;
+thread_local bool is_in_file_system = false;
 
 struct File {
   sqlite3_file base;
   sqlite3_file* real;
   std::string* path;
+  bool syncs_folder;  // with its first sync, as SQLite does for logs and journals that it makes
 };
 File& Of(sqlite3_file* file) { return *reinterpret_cast<File*>(file); }
-
-// What an operation asks of the disk.
-enum class Asks { kRoom, kNoRoom };
 
 bool Stays(Fault fault) {
   return fault == Fault::kDead || fault == Fault::kPowerLoss || fault == Fault::kStaysFull || fault == Fault::kQuota ||
@@ -92,10 +78,11 @@ int NextOperation(int error, Asks asks, bool* is_torn) AXISCAL_REQUIRES(TheDisk(
   return errno == ENOSPC ? SQLITE_FULL : error;
 }
 
+bool LosesPower() AXISCAL_REQUIRES(TheDisk().mutex) { return TheDisk().fault == Fault::kPowerLoss; }
+
 // Notes what a write over [offset, offset + count) of a file replaces.
 void Note(File& file, int64_t offset, int64_t count) AXISCAL_REQUIRES(TheDisk().mutex) {
-  Disk& disk = TheDisk();
-  if (disk.fault != Fault::kPowerLoss || file.path->empty()) return;
+  if (!LosesPower() || file.path->empty()) return;
   Replaced replaced{offset, offset + count, 0, ""};
   sqlite3_int64 size = 0;
   file.real->pMethods->xFileSize(file.real, &size);
@@ -104,7 +91,7 @@ void Note(File& file, int64_t offset, int64_t count) AXISCAL_REQUIRES(TheDisk().
   replaced.old_bytes.resize(static_cast<size_t>(old_count));
   if (old_count > 0)
     file.real->pMethods->xRead(file.real, replaced.old_bytes.data(), static_cast<int>(old_count), offset);
-  disk.not_synced[*file.path].push_back(std::move(replaced));
+  TheDisk().unsynced.Wrote(*file.path, std::move(replaced));
 }
 
 int Close(sqlite3_file* file) {
@@ -140,8 +127,10 @@ int Sync(sqlite3_file* file, int) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
   const int error = NextOperation(SQLITE_IOERR_FSYNC, Asks::kRoom, &is_torn);
-  if (error == SQLITE_OK) TheDisk().not_synced.erase(*Of(file).path);
-  return error;
+  if (error != SQLITE_OK) return error;
+  TheDisk().unsynced.SyncedFile(*Of(file).path);
+  if (std::exchange(Of(file).syncs_folder, false)) TheDisk().unsynced.SyncedFolderOf(*Of(file).path);
+  return SQLITE_OK;
 }
 int FileSize(sqlite3_file* file, sqlite3_int64* size) {
   return Of(file).real->pMethods->xFileSize(Of(file).real, size);
@@ -173,24 +162,36 @@ const sqlite3_io_methods kMethods = {
 int Open(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* out_flags) {
   File& opened = Of(file);
   opened.base.pMethods = nullptr;
+  const base::MutexLock lock(TheDisk().mutex);
+  const bool makes = (flags & SQLITE_OPEN_CREATE) != 0 && name != nullptr && access(name, F_OK) != 0;
+  bool is_torn = false;
+  if (makes && NextOperation(SQLITE_CANTOPEN, Asks::kRoom, &is_torn) != SQLITE_OK) return SQLITE_CANTOPEN;
   opened.real = static_cast<sqlite3_file*>(sqlite3_malloc(base_vfs->szOsFile));
+  is_in_file_system = true;
   const int code = base_vfs->xOpen(base_vfs, name, opened.real, flags, out_flags);
+  is_in_file_system = false;
   if (code != SQLITE_OK) {
     if (opened.real->pMethods != nullptr) opened.real->pMethods->xClose(opened.real);
     sqlite3_free(opened.real);
     return code;
   }
   opened.path = new std::string(name == nullptr ? "" : name);
+  opened.syncs_folder = makes && (flags & (SQLITE_OPEN_WAL | SQLITE_OPEN_MAIN_JOURNAL)) != 0;
+  if (makes && LosesPower()) TheDisk().unsynced.Made(*opened.path);
   opened.base.pMethods = &kMethods;
   return SQLITE_OK;
 }
-int Delete(sqlite3_vfs*, const char* name, int) {
+int Delete(sqlite3_vfs*, const char* name, int syncs_folder) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
   const int error = NextOperation(SQLITE_IOERR_DELETE, Asks::kNoRoom, &is_torn);
   if (error != SQLITE_OK) return error;
-  TheDisk().not_synced.erase(name);
-  return base_vfs->xDelete(base_vfs, name, 0);
+  if (LosesPower()) TheDisk().unsynced.WillRemove(name);
+  is_in_file_system = true;
+  const int code = base_vfs->xDelete(base_vfs, name, 0);
+  is_in_file_system = false;
+  if (syncs_folder != 0) TheDisk().unsynced.SyncedFolderOf(name);
+  return code;
 }
 int Access(sqlite3_vfs*, const char* name, int flags, int* result) {
   return base_vfs->xAccess(base_vfs, name, flags, result);
@@ -203,27 +204,6 @@ int Sleep(sqlite3_vfs*, int microseconds) { return base_vfs->xSleep(base_vfs, mi
 int CurrentTime(sqlite3_vfs*, double* time) { return base_vfs->xCurrentTime(base_vfs, time); }
 int LastError(sqlite3_vfs*, int size, char* text) { return base_vfs->xGetLastError(base_vfs, size, text); }
 int CurrentTime64(sqlite3_vfs*, sqlite3_int64* time) { return base_vfs->xCurrentTimeInt64(base_vfs, time); }
-
-// Puts back what one write has replaced, wholly or in some sectors.
-void TakeBack(const std::string& path, const Replaced& replaced, std::mt19937& random) {
-  const int how = static_cast<int>(random() % 4);
-  if (how == 0) return;  // it had reached the disk
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  if (!file) return;
-  std::string old_bytes = replaced.old_bytes;
-  old_bytes.resize(static_cast<size_t>(replaced.end - replaced.offset), '\0');
-  const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path));
-  for (int64_t at = replaced.offset; at < replaced.end; at += kSectorBytes - at % kSectorBytes) {
-    if (how == 1 && random() % 2 == 0) continue;
-    const int64_t end = std::min(replaced.end, at + kSectorBytes - at % kSectorBytes);
-    file.seekp(at);
-    file.write(old_bytes.data() + (at - replaced.offset), end - at);
-  }
-  file.close();
-  const bool was_last = size <= replaced.end;
-  if (how != 1 && was_last && replaced.old_size < replaced.end)
-    std::filesystem::resize_file(path, static_cast<uintmax_t>(std::max(replaced.old_size, replaced.offset)));
-}
 
 }  // namespace
 
@@ -256,7 +236,7 @@ void ArmFault(Fault fault, int64_t n, uint32_t seed) {
   disk.fails_at = n;
   disk.has_failed = false;
   disk.seed = seed;
-  disk.not_synced.clear();
+  disk.unsynced.Clear();
 }
 
 bool DisarmFault() {
@@ -264,24 +244,32 @@ bool DisarmFault() {
   const base::MutexLock lock(disk.mutex);
   if (disk.fault == Fault::kPowerLoss && disk.has_failed) {
     std::mt19937 random(disk.seed);
-    for (auto& [path, all] : disk.not_synced) {
-      for (auto replaced = all.rbegin(); replaced != all.rend(); ++replaced) TakeBack(path, *replaced, random);
-      // Memory that the processes had in common.
-      std::error_code error;
-      if (path.ends_with("-wal")) std::filesystem::remove(path.substr(0, path.size() - 4) + "-shm", error);
-    }
+    disk.unsynced.TakeBack(random);
   }
   disk.fault = Fault::kNone;
-  disk.not_synced.clear();
+  disk.unsynced.Clear();
   return disk.has_failed;
 }
 
-int NextSystemCall() {
-  const base::MutexLock lock(TheDisk().mutex);
+int SystemCall(Asks asks, const std::function<int()>& call, const std::function<void(Unsynced&)>& before,
+               const std::function<void(Unsynced&)>& after) {
+  Disk& disk = TheDisk();
+  const base::MutexLock lock(disk.mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR, Asks::kRoom, &is_torn);
-  return error == SQLITE_OK ? 0 : SystemErrorOf(TheDisk().fault);
+  if (NextOperation(SQLITE_IOERR, asks, &is_torn) != SQLITE_OK) {
+    errno = SystemErrorOf(disk.fault);
+    return -1;
+  }
+  if (LosesPower() && before) before(disk.unsynced);
+  const int result = call();
+  const int error = errno;
+  if (LosesPower() && result < 0 && before) disk.unsynced.UndoLast();
+  if (LosesPower() && result >= 0 && after) after(disk.unsynced);
+  errno = error;
+  return result;
 }
+
+bool IsInFileSystem() { return is_in_file_system; }
 
 int64_t OperationCount() {
   const base::MutexLock lock(TheDisk().mutex);

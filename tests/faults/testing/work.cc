@@ -263,7 +263,7 @@ Told WorkApart(const std::string& path, const std::function<void()>& prepare, co
 }
 
 void PrintRow(const std::string& fault, const std::string& name, const std::string& moments, const Sum& sum) {
-  std::printf("FAULTS %-10s %-9s %s: %4lld faults, acknowledged and lost %lld, damaged %lld\n", fault.c_str(),
+  std::printf("FAULTS %-10s %-21s %s: %4lld faults, acknowledged and lost %lld, damaged %lld\n", fault.c_str(),
               name.c_str(), moments.c_str(), static_cast<long long>(sum.faults), static_cast<long long>(sum.lost),
               static_cast<long long>(sum.damaged));
 }
