@@ -13,8 +13,11 @@ namespace {
 
 // As long as a shift.
 constexpr std::chrono::hours kLasts(12);
-// More than a plant has people; beyond it the one that ends first gives way.
+// More than a plant has people; beyond it the first one gives way.
 constexpr size_t kMaxSignIns = 10'000;
+// More than one token is used in browsers; beyond it the first of that token's gives way, so that nobody signs out
+// others by signing in again and again.
+constexpr size_t kMaxOfOneToken = 100;
 
 // Browsers take a cookie of this prefix by TLS only, and from this very host.
 std::string CookieName(const Request& request) { return request.peer.is_tls ? "__Host-axiscal" : "axiscal"; }
@@ -68,11 +71,15 @@ std::string SignIns::Add(const std::string& authorization) {
   const base::UtcTime now = clock_.UtcNow();
   const base::MutexLock lock(mutex_);
   std::erase_if(entries_, [&](const auto& entry) { return entry.second.ends_at <= now; });
-  if (entries_.size() >= kMaxSignIns) {
-    entries_.erase(std::min_element(entries_.begin(), entries_.end(),
-                                    [](const auto& a, const auto& b) { return a.second.ends_at < b.second.ends_at; }));
+  const auto is_of_token = [&](const auto& entry) { return entry.second.authorization == authorization; };
+  const auto is_first = [](const auto& a, const auto& b) { return a.second.order < b.second.order; };
+  if (static_cast<size_t>(std::count_if(entries_.begin(), entries_.end(), is_of_token)) >= kMaxOfOneToken) {
+    entries_.erase(std::min_element(entries_.begin(), entries_.end(), [&](const auto& a, const auto& b) {
+      return is_of_token(a) != is_of_token(b) ? is_of_token(a) : is_first(a, b);
+    }));
   }
-  entries_[access::HashOfToken(cookie)] = {authorization, now + kLasts};
+  if (entries_.size() >= kMaxSignIns) entries_.erase(std::min_element(entries_.begin(), entries_.end(), is_first));
+  entries_[access::HashOfToken(cookie)] = {authorization, now + kLasts, next_order_++};
   return cookie;
 }
 

@@ -28,7 +28,8 @@ class SignIns {
  public:
   explicit SignIns(base::Clock& clock = base::SystemClock()) : clock_(clock) {}
 
-  // `authorization`: "Bearer TOKEN". The cookie's value: 256 bits of the system's generator.
+  // `authorization`: "Bearer TOKEN". The cookie's value: 256 bits of the system's generator. A token has 100 at a time:
+  // one more takes the place of its first.
   std::string Add(const std::string& authorization);
   std::optional<std::string> Find(const std::string& cookie) const;
   void Remove(const std::string& cookie);
@@ -37,10 +38,12 @@ class SignIns {
   struct Entry {
     std::string authorization;
     base::UtcTime ends_at;
+    int64_t order = 0;  // in which they came
   };
   base::Clock& clock_;
   mutable base::Mutex mutex_;
   std::map<std::string, Entry> entries_ AXISCAL_GUARDED_BY(mutex_);  // by the hash of the cookie
+  int64_t next_order_ AXISCAL_GUARDED_BY(mutex_) = 0;
 };
 
 // The value of our cookie, if the request has one.

@@ -61,6 +61,19 @@ TEST(SignIns, StandForATokenAndEnd) {
   EXPECT_EQ(sign_ins.Find(other), std::nullopt);
 }
 
+// Whoever signs in again and again signs out himself alone.
+TEST(SignIns, OfOneTokenTakeNobodyElsesPlace) {
+  base::FakeClock clock;
+  SignIns sign_ins(clock);
+  const std::string anns = sign_ins.Add("Bearer axt_ann");
+  const std::string first = sign_ins.Add("Bearer axt_bob");
+  std::string last;
+  for (int i = 0; i < 10'000; ++i) last = sign_ins.Add("Bearer axt_bob");
+  EXPECT_EQ(sign_ins.Find(anns), "Bearer axt_ann");
+  EXPECT_EQ(sign_ins.Find(first), std::nullopt);
+  EXPECT_EQ(sign_ins.Find(last), "Bearer axt_bob");
+}
+
 TEST(CookieOf, FindsOursAmongOthers) {
   EXPECT_EQ(CookieOf(From({{"cookie", "a=b; axiscal=xyz; c=d"}})), "xyz");
   EXPECT_EQ(CookieOf(From({{"cookie", "notaxiscal=xyz"}})), std::nullopt);
