@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -70,6 +71,20 @@ std::filesystem::path NewName(const std::filesystem::path& folder, base::UtcTime
   }
 }
 
+// Takes away what servers have left that were killed in the midst of a backup, before it fills the disk. What another
+// server is writing now is younger.
+void RemoveLeft(const std::filesystem::path& folder) {
+  constexpr std::chrono::hours kLeftAfter(24);
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("axiscal-") || !name.ends_with(".db.part")) continue;
+    const auto written = entry.last_write_time(error);
+    if (!error && std::filesystem::file_time_type::clock::now() - written > kLeftAfter)
+      std::filesystem::remove(entry.path(), error);
+  }
+}
+
 v1::BackupResponse Summary(const storage::BackupResult& result, const std::string& file) {
   v1::BackupResponse message;
   v1::BackupSummary& summary = *message.mutable_summary();
@@ -107,6 +122,7 @@ absl::Status Backup(Core& core, const Call& call, const v1::BackupRequest& reque
                                                           : folder / "axiscal-download.db"
                                          : NewName(folder, base::SystemClock().UtcNow());
   if (request.download()) unlink(path.c_str());
+  if (!folder.empty()) RemoveLeft(folder);
   const auto go_on = [&]() -> absl::Status {
     RETURN_IF_ERROR(RequireAccepting(core));
     return call.is_cancelled() ? Gone() : absl::OkStatus();

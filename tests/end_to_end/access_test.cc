@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -649,6 +650,21 @@ TEST_F(Access, AdminsOfAllMakeBackups) {
   EXPECT_EQ(audit->rows[1].became, kept->file + ", sha256 " + kept->sha256);
   // Nothing else stays in the folder.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(dir_.File("backups")), {}), 2);  // and its lock
+}
+
+// A server that is killed in the midst of a backup leaves part of one, under a name that no later backup has.
+TEST_F(Access, PartsOfBackupsThatAreOldGoWithTheNextOne) {
+  const auto leave = [&](const std::string& name, int hours) {
+    const std::filesystem::path path = dir_.File("backups/" + name);
+    std::ofstream(path) << "part";
+    std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours));
+    return path;
+  };
+  const auto left = leave("axiscal-20260531T140307Z.db.part", 25), young = leave("axiscal-20260601T140307Z.db.part", 1),
+             whole = leave("axiscal-20260531T140307Z.db", 25), mine = leave("mine.db.part", 25);
+  ASSERT_OK(ClientOf("admin-all").MakeBackup());
+  EXPECT_FALSE(std::filesystem::exists(left));
+  for (const auto& path : {young, whole, mine}) EXPECT_TRUE(std::filesystem::exists(path)) << path;
 }
 
 TEST_F(Access, DeniedCallsAreInTheAudit) {
