@@ -124,6 +124,21 @@ int PortOf(int socket) {
                                           : reinterpret_cast<sockaddr_in6*>(&bound)->sin6_port);
 }
 
+// With what it has brought. Closed by another thread meanwhile, one may be left out.
+void ForEachConnection(int port,
+                       const std::function<void(int descriptor, const std::string& peer, int64_t bytes)>& look) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    int descriptor = -1;
+    if (!absl::SimpleAtoi(entry.path().filename().string(), &descriptor) || PortOf(descriptor) != port) continue;
+    const std::string peer = PeerOf(descriptor);
+    tcp_info info = {};
+    socklen_t size = sizeof(info);
+    if (peer.empty() || getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) continue;
+    look(descriptor, peer, static_cast<int64_t>(info.tcpi_bytes_received));
+  }
+}
+
 }  // namespace
 
 int64_t RaiseDescriptorLimit() {
@@ -155,19 +170,17 @@ std::string PeerOf(int connection) {
   return absl::StrCat("ipv6:[", host, "]:", ntohs(v6.sin6_port));
 }
 
+std::vector<std::string> PeersTo(int port) {
+  std::vector<std::string> peers;
+  ForEachConnection(port, [&](int, const std::string& peer, int64_t) { peers.push_back(peer); });
+  return peers;
+}
+
 int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends) {
   int count = 0;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
-    int descriptor = -1;
-    if (!absl::SimpleAtoi(entry.path().filename().string(), &descriptor) || PortOf(descriptor) != port) continue;
-    const std::string peer = PeerOf(descriptor);
-    tcp_info info = {};
-    socklen_t size = sizeof(info);
-    if (peer.empty() || getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) continue;
-    if (static_cast<int64_t>(info.tcpi_bytes_received) < least_bytes || !ends(peer)) continue;
-    count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
-  }
+  ForEachConnection(port, [&](int descriptor, const std::string& peer, int64_t bytes) {
+    if (bytes >= least_bytes && ends(peer)) count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
+  });
   return count;
 }
 

@@ -33,6 +33,9 @@ absl::Status Unprotected(const std::string& address);
 // a socket without address.
 std::string PeerOf(int connection);
 
+// The peers (PeerOf) of the connections to `port` of this process.
+std::vector<std::string> PeersTo(int port);
+
 // Ends the connections to `port` of this process that have brought at least so many bytes and that `ends` chooses by
 // their peer (PeerOf); how many. Their calls are cancelled.
 int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends);

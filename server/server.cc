@@ -33,6 +33,7 @@
 #include "server/storage/postgres_database.h"
 #include "server/storage/postgres_url.h"
 #include "server/storage/sqlite_database.h"
+#include "server/strangers.h"
 #include "server/tls.h"
 #include "server/watch/watcher.h"
 #include "server/webhooks/sender.h"
@@ -65,6 +66,8 @@ constexpr int64_t kMostUnheard = 20;
 constexpr std::chrono::seconds kFloodLasts(5);
 // Who has brought so much and shown no identity is no caller that has just come: TLS and a first call take a fifth.
 constexpr int64_t kMuchOfAStranger = 32 << 10;
+// How often it is looked how many connections strangers have.
+constexpr std::chrono::milliseconds kStrangersLook(500);
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -213,6 +216,7 @@ absl::Status Validate(const ServerOptions& options) {
   }
   if (options.waiting_bytes < kMinWaitingBytes)
     return refuse(absl::StrCat("waiting_bytes = ", options.waiting_bytes, ", must be >= ", kMinWaitingBytes));
+  if (options.strangers < 1) return refuse(absl::StrCat("strangers = ", options.strangers, ", must be > 0"));
   // Of one there would be nothing left for the others (handlers::Budget), so that nobody got it.
   if (options.http_bytes < 2 || options.http_requests < 2)
     return refuse(absl::StrCat("http_bytes = ", options.http_bytes, ", http_requests = ", options.http_requests,
@@ -310,6 +314,7 @@ class Server::Impl {
     if (core_.gate.asks()) {
       asker_ = std::thread([this] { AskAgain(); });
       flood_watch_ = std::thread([this] { WatchFloods(); });
+      if (port_ != 0) strangers_watch_ = std::thread([this] { WatchStrangers(); });
     }
     database_->Follow([this](const storage::News& news) { Hear(news); });
     runner_.Start();
@@ -422,6 +427,7 @@ class Server::Impl {
     http.own_host = HostOf(options_.http_address);
     http.silence = options_.silence;
     http.idle = options_.connection_idle;
+    http.strangers = options_.strangers;
     http.max_bytes = options_.http_bytes;
     http.max_requests = options_.http_requests;
     http.end_of_certificate = EndOfCertificate;
@@ -527,6 +533,30 @@ class Server::Impl {
          {"text", "calls that no handler heard of: connections that brought much and showed no identity were ended"}});
   }
 
+  // Ends the first connections of strangers where there are too many.
+  void WatchStrangers() {
+    Strangers strangers(port_, static_cast<size_t>(options_.strangers),
+                        [this](const std::string& peer) { return core_.known.Has(peer); });
+    const base::MutexLock lock(housekeeper_mutex_);
+    while (!stop_housekeeper_) {
+      const base::SteadyTime next = base::SystemClock().SteadyNow() + kStrangersLook;
+      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
+        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
+      }
+      if (stop_housekeeper_) return;
+      housekeeper_mutex_.Unlock();
+      const std::set<std::string> peers = strangers.TooMany();
+      const int count =
+          peers.empty() ? 0 : EndConnections(port_, 0, [&](const std::string& peer) { return peers.contains(peer); });
+      if (count > 0 && core_.told_refusals.Take("strangers").ok()) {
+        Log(LogLevel::kWarning, "strangers",
+            {{"connections", absl::StrCat(count)},
+             {"text", "more connections than are allowed had shown no identity: the first of them were ended"}});
+      }
+      housekeeper_mutex_.Lock();
+    }
+  }
+
   // Jobs whose creators may no longer create them.
   void CancelRefusedJobs() {
     for (const records::JobState state : {records::JobState::kRunning, records::JobState::kQueued}) {
@@ -622,6 +652,7 @@ class Server::Impl {
     if (housekeeper_.joinable()) housekeeper_.join();
     if (asker_.joinable()) asker_.join();
     if (flood_watch_.joinable()) flood_watch_.join();
+    if (strangers_watch_.joinable()) strangers_watch_.join();
   }
 
   base::Mutex housekeeper_mutex_;
@@ -635,6 +666,7 @@ class Server::Impl {
   std::thread housekeeper_;
   std::thread asker_;
   std::thread flood_watch_;
+  std::thread strangers_watch_;
   Denials denials_;
 
   watch::WatcherOptions WatcherOptions() {

@@ -377,6 +377,7 @@ asio::awaitable<bool> Connection::ServeOne() {
     co_return false;
   }
   const BodyRule rule = context_.gateway.RuleFor(*request);
+  if (rule.is_known) is_known_ = true;
   if (rule.refusal) {
     const bool goes_on = co_await Refuse(*request, *rule.refusal, stays && !HasBody(parser));
     co_return goes_on;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <boost/asio/awaitable.hpp>
 // clang-format on
+#include <atomic>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ssl.hpp>
@@ -36,7 +37,8 @@ struct ConnectionContext {
   std::function<bool(const std::string& who, std::function<void()> work)> start;
 };
 
-// Lives as long as something of it is under way. All but Start(), Close() and the Exchange run on its strand.
+// Lives as long as something of it is under way. All but Start(), Close(), is_known() and the Exchange run on its
+// strand.
 class Connection final : public std::enable_shared_from_this<Connection> {
  public:
   using Socket = asio::generic::stream_protocol::socket;
@@ -44,6 +46,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   Connection(ConnectionContext& context, Socket socket, std::shared_ptr<asio::ssl::context> tls, Peer peer);
   void Start();
   void Close();
+  // Whether a request over it has shown who calls. From any thread, as Start() and Close().
+  bool is_known() const { return is_known_; }
 
  private:
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
@@ -77,6 +81,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   asio::steady_timer signal_;    // something below has changed
   boost::beast::flat_buffer buffer_;
   Peer peer_;
+  std::atomic<bool> is_known_ = false;
   bool is_watching_ = false, has_left_ = false;
   std::shared_ptr<RequestExchange> exchange_;  // of the request under way
 };

@@ -143,6 +143,7 @@ absl::StatusOr<access::Identity> Gateway::CallerOf(const Request& request) const
 BodyRule Gateway::RuleFor(const Request& head) const {
   const absl::StatusOr<access::Identity> caller = CallerOf(head);
   BodyRule rule = RuleFor(head, caller);
+  rule.is_known = caller.ok();
   rule.counted_as = caller.ok() ? caller->name : access::PeerHost(head.peer.address);
   return rule;
 }

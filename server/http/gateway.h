@@ -22,6 +22,7 @@ struct BodyRule {
   int64_t most_bytes = 0;
   std::optional<Answer> refusal = {};
   std::string counted_as = {};  // as Request has it
+  bool is_known = false;        // the caller has shown who he is, or is not asked
 };
 
 // Safe from any thread.

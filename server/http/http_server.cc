@@ -96,6 +96,7 @@ class HttpServer::Impl {
       const base::MutexLock lock(mutex_);
       std::erase_if(connections_, [](const std::weak_ptr<Connection>& one) { return one.expired(); });
       connections_.push_back(connection);
+      if (core_.gate.asks()) CloseFirstStranger();
     }
     connection->Start();
   }
@@ -124,6 +125,19 @@ class HttpServer::Impl {
       if (const std::shared_ptr<asio::ssl::context> made = ContextOf(*text)) tls_ = made;
     }
     return tls_;
+  }
+
+  void CloseFirstStranger() AXISCAL_REQUIRES(mutex_) {
+    auto first = connections_.end();
+    int strangers = 0;
+    for (auto one = connections_.begin(); one != connections_.end(); ++one) {
+      const std::shared_ptr<Connection> connection = one->lock();
+      if (connection == nullptr || connection->is_known()) continue;
+      if (strangers++ == 0) first = one;
+    }
+    if (strangers <= context_.options.strangers) return;
+    if (const std::shared_ptr<Connection> connection = first->lock()) connection->Close();
+    connections_.erase(first);  // what is left of it goes by itself
   }
 
   bool StartRequest(const std::string& who, std::function<void()> work) {

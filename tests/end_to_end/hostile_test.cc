@@ -14,6 +14,7 @@
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "server/access/gate.h"
 #include "server/local_login.h"
+#include "server/server.h"
 #include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
@@ -44,6 +45,33 @@ class Hostile : public ::testing::Test {
   }
   std::shared_ptr<grpc::Channel> Channel() {
     return grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials());
+  }
+
+  // Before the server is started: an admin, whose token is in the file "token".
+  void AddAdmin() {
+    const std::string token = access::NewToken();
+    storage::SqliteOptions options;
+    options.path = dir_.File("axiscal.db");
+    const auto database = storage::OpenSqlite(options);
+    ASSERT_OK(database);
+    ASSERT_OK((*database)->CreatePrincipal("ann", "", {"setup", ""}));
+    ASSERT_OK((*database)->ChangeRole("ann", {records::Role::kAdmin, {}}, true, {"setup", ""}));
+    ASSERT_OK((*database)->CreateToken({"ann", access::HashOfToken(token), "", {}}, {"setup", ""}));
+    std::ofstream(dir_.File("token")) << token << "\n";
+  }
+  void ExpectServed() {
+    client::Options options;
+    options.identity.token_file = dir_.File("token");
+    auto client = client::Client::Connect(server_->address(), options);
+    ASSERT_OK(client);
+    // What was queued before strangers were ended has the threads for a while.
+    constexpr int kTries = 600;
+    absl::Status created;
+    for (int i = 0; i < kTries && (i == 0 || absl::IsResourceExhausted(created)); ++i) {
+      if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      created = client->CreateMachine(MachineJson("mt")).status();
+    }
+    EXPECT_TRUE(created.ok()) << created;
   }
 
   testing::TempDir dir_;
@@ -154,17 +182,7 @@ TEST_F(Hostile, WhatIsHalfSentBeyondItsLimitIsCancelled) {
 // HTTP/2 rapid reset (CVE-2023-44487): the calls are none of those that a connection may have at a time, and each gets
 // a thread.
 TEST_F(Hostile, CallsThatAreTakenBackAtOnceEndTheConnectionAndMakeNoThreads) {
-  const std::string token = access::NewToken();
-  {
-    storage::SqliteOptions options;
-    options.path = dir_.File("axiscal.db");
-    const auto database = storage::OpenSqlite(options);
-    ASSERT_OK(database);
-    ASSERT_OK((*database)->CreatePrincipal("ann", "", {"setup", ""}));
-    ASSERT_OK((*database)->ChangeRole("ann", {records::Role::kAdmin, {}}, true, {"setup", ""}));
-    ASSERT_OK((*database)->CreateToken({"ann", access::HashOfToken(token), "", {}}, {"setup", ""}));
-  }
-  std::ofstream(dir_.File("token")) << token << "\n";
+  AddAdmin();
   StartServer({"--ask-identity"});
   const int64_t most_threads = server_->ThreadCount() + 3'000;
   constexpr int kConnections = 4, kCalls = 1'000;
@@ -187,18 +205,40 @@ TEST_F(Hostile, CallsThatAreTakenBackAtOnceEndTheConnectionAndMakeNoThreads) {
   watch.join();
   EXPECT_EQ(ended, kConnections);
   EXPECT_LT(threads, most_threads);
-  client::Options options;
-  options.identity.token_file = dir_.File("token");
-  auto client = client::Client::Connect(server_->address(), options);
-  ASSERT_OK(client);
-  // What was queued before they were ended has the threads for a while.
-  constexpr int kTries = 600;
-  absl::Status created;
-  for (int i = 0; i < kTries && (i == 0 || absl::IsResourceExhausted(created)); ++i) {
-    if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    created = client->CreateMachine(MachineJson("mt")).status();
+  ExpectServed();
+}
+
+// Connections that have shown nobody: beyond what they may have the first give way, and nobody's who is known.
+TEST_F(Hostile, StrangersCannotHoldAllConnections) {
+  AddAdmin();
+  server::ServerOptions options;
+  options.database_path = dir_.File("axiscal.db");
+  options.listen_address = "127.0.0.1:0";
+  options.asks_identity = true;
+  options.strangers = 4;
+  auto server = server::Server::Start(options);
+  ASSERT_OK(server);
+  const std::string address = absl::StrCat("127.0.0.1:", (*server)->port());
+  client::Options as_ann;
+  as_ann.identity.token_file = dir_.File("token");
+  auto known = client::Client::Connect(address, as_ann);
+  ASSERT_OK(known);
+  ASSERT_OK(known->CreateMachine(MachineJson("mt")));
+  std::vector<RawConnection> strangers;
+  for (int i = 0; i < 10; ++i) {
+    strangers.emplace_back(address);
+    strangers.back().Greet();
   }
-  EXPECT_TRUE(created.ok()) << created;
+  const auto is_closed = [](RawConnection& stranger) { return stranger.IsClosed(); };
+  constexpr int kTries = 600;
+  ptrdiff_t closed = 0;
+  for (int i = 0; i < kTries && closed < 6; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    closed = std::count_if(strangers.begin(), strangers.end(), is_closed);
+  }
+  EXPECT_EQ(closed, 6);
+  EXPECT_FALSE(strangers.back().IsClosed());
+  ASSERT_OK(known->CreateMachine(MachineJson("mt2")));
 }
 
 // As many keys as a message can hold are answered while the caller waits.

@@ -802,6 +802,26 @@ TEST_F(HttpAccess, OneCallerCannotHoldTheRequestsOfAll) {
   EXPECT_EQ(CallJson(port(), "Machines/GetMachine", R"({"machineId": "mt"})", As("viewer")).status, 200);
 }
 
+// Connections that have shown nobody: beyond what they may have the first gives way, and nobody's who is known.
+TEST_F(HttpAccess, StrangersCannotHoldAllConnections) {
+  server::ServerOptions options;
+  options.strangers = 4;
+  StartAsking(options);
+  HttpConnection known(port());
+  const auto call = [&] {
+    known.SendRequest("POST", "/axiscal.v1.Machines/GetMachine", As("viewer", kJson), R"({"machineId": "mt"})");
+    return known.Receive().status;
+  };
+  EXPECT_EQ(call(), 200);
+  std::vector<HttpConnection> strangers;
+  for (int i = 0; i < 10; ++i) strangers.emplace_back(port());
+  for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(strangers[i].WaitForClose()) << i;
+  EXPECT_EQ(call(), 200);
+  strangers.back().SendRequest("POST", "/axiscal.v1.Machines/GetMachine", As("viewer", kJson),
+                               R"({"machineId": "mt"})");
+  EXPECT_EQ(strangers.back().Receive().status, 200);
+}
+
 TEST_F(HttpAccess, MetricsAreForViewersOfAllMachines) {
   EXPECT_EQ(Fetch(port(), "GET", "/metrics").status, 401);
   EXPECT_EQ(Fetch(port(), "GET", "/metrics", As("viewer")).status, 403);  // of one machine

@@ -211,6 +211,15 @@ RawConnection::HalfSent RawConnection::SendHalf(const std::string& method, int c
   }
 }
 
+bool RawConnection::IsClosed() {
+  SetPatience(std::chrono::milliseconds(1));
+  std::vector<Received> frames;
+  do {
+    if (!Receive(frames)) return true;
+  } while (!frames.empty());
+  return false;
+}
+
 int RawConnection::BeginAndReset(const std::string& method, int calls) {
   constexpr uint32_t kCancel = 8;  // RFC 9113, 7
   Greet();

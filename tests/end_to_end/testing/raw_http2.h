@@ -39,6 +39,8 @@ class RawConnection {
   void SendPart(const std::string& bytes);
   // Whether the call has ended, with the connection or without, within a minute. `seen`, unless null, gets what came.
   bool WaitForEnd(std::string* seen = nullptr);
+  // Whether the server has closed the connection by now. Answers pings.
+  bool IsClosed();
   struct HalfSent {
     int64_t bytes = 0;
     int ended = 0;  // calls that the server has ended meanwhile
