@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/machine/machine_limits.h"
+
 namespace axiscal::machine {
 namespace {
 
@@ -14,12 +16,6 @@ absl::Status Refuse(const Machine& machine, const std::string& what) {
 }
 
 std::string Text(const Eigen::Vector3d& v) { return absl::StrFormat("[%g, %g, %g]", v.x(), v.y(), v.z()); }
-
-bool IsId(const std::string& id) {
-  return !id.empty() && id.size() <= 100 && std::all_of(id.begin(), id.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '-' || c == '_' || c == '.';
-  });
-}
 
 absl::Status ValidateAxis(const Machine& machine, const Axis& axis) {
   if (!IsAxisName(axis.name)) {
@@ -34,7 +30,7 @@ absl::Status ValidateAxis(const Machine& machine, const Axis& axis) {
     return Refuse(machine,
                   absl::StrCat("axis ", axis.name, ": direction ", Text(axis.direction), " must have length 1"));
   }
-  if (!axis.point_mm.allFinite() || axis.point_mm.cwiseAbs().maxCoeff() > 1e6) {
+  if (!axis.point_mm.allFinite() || axis.point_mm.cwiseAbs().maxCoeff() > kFarthestPointMm) {
     return Refuse(machine, absl::StrCat("axis ", axis.name, ": point_mm ", Text(axis.point_mm),
                                         " must be finite, at most 1e6 mm"));
   }
@@ -52,6 +48,12 @@ absl::Status ValidateAxis(const Machine& machine, const Axis& axis) {
 }
 
 }  // namespace
+
+bool IsMachineId(const std::string& id) {
+  return !id.empty() && id.size() <= 100 && std::all_of(id.begin(), id.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '-' || c == '_' || c == '.';
+  });
+}
 
 int FindAxis(const Machine& machine, const std::string& name) {
   for (int i = 0; i < machine.axis_count(); ++i) {
@@ -73,9 +75,7 @@ std::string JointName(const Machine& machine, int joint) {
 }
 
 absl::Status Validate(const Machine& machine) {
-  if (!IsId(machine.id)) {
-    return Refuse(machine, "id must be 1 to 100 letters, digits, '-', '_' or '.'");
-  }
+  if (!IsMachineId(machine.id)) return Refuse(machine, kMachineIdRule);
   if (machine.axes.empty() || machine.axis_count() > kMaxAxes) {
     return Refuse(machine, absl::StrCat(machine.axis_count(), " axes, expected 1 to ", kMaxAxes));
   }

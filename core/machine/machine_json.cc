@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/machine/machine_limits.h"
 #include "core/machine/program_profile.h"
 #include "core/machine/redundant_facts.h"
 
@@ -21,20 +22,59 @@ absl::Status Refuse(const std::string& field, const Json& value, const std::stri
   return absl::InvalidArgumentError(absl::StrCat(field, ": ", base::ShortJson(value), ", ", rule));
 }
 
-absl::Status OnlyMembers(const Json& object, const std::string& where, std::initializer_list<const char*> known) {
+// All that is missing or wrong in a description, in the order in which it is read: it is mended in one go.
+class Faults {
+ public:
+  // Whether it is OK; otherwise it is one more.
+  bool Take(const absl::Status& status) {
+    if (!status.ok()) texts_.emplace_back(status.message());
+    return status.ok();
+  }
+  // The same of a value, which goes to `value` where it is there.
+  template <typename T>
+  bool Take(absl::StatusOr<T> read, T* value) {
+    if (read.ok()) *value = *std::move(read);
+    return Take(read.status());
+  }
+
+  size_t size() const { return texts_.size(); }
+
+  // OK, the one that there is, or INVALID_ARGUMENT with a line for each, as many as the wire carries.
+  absl::Status ToStatus() const {
+    if (texts_.empty()) return absl::OkStatus();
+    if (texts_.size() == 1) return absl::InvalidArgumentError(texts_[0]);
+    constexpr size_t kMostBytes = 1800;  // gRPC ends calls whose trailing metadata, which hold it thrice, exceed 8 KiB
+    std::string text = absl::StrCat(texts_.size(), " fields are missing or wrong:");
+    for (size_t i = 0; i < texts_.size(); ++i) {
+      if (i > 0 && text.size() + texts_[i].size() > kMostBytes) {
+        absl::StrAppend(&text, "\n  and ", texts_.size() - i, " more");
+        break;
+      }
+      absl::StrAppend(&text, "\n  ", texts_[i]);
+    }
+    return absl::InvalidArgumentError(text);
+  }
+
+ private:
+  std::vector<std::string> texts_;
+};
+
+void OnlyMembers(const Json& object, const std::string& where, std::initializer_list<const char*> known,
+                 Faults* faults) {
   for (const auto& [name, value] : object.items()) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     std::string list;
     for (const char* member : known) absl::StrAppend(&list, list.empty() ? "" : ", ", member);
-    return absl::InvalidArgumentError(absl::StrCat(where, name, ": unknown field, expected one of ", list));
+    faults->Take(absl::InvalidArgumentError(absl::StrCat(where, name, ": unknown field, expected one of ", list)));
   }
-  return absl::OkStatus();
 }
 
-absl::StatusOr<const Json*> Member(const Json& object, const std::string& where, const std::string& name) {
+// Null, and a fault, where it is not there.
+const Json* Member(const Json& object, const std::string& where, const std::string& name, Faults* faults) {
   const auto found = object.find(name);
-  if (found == object.end()) return absl::InvalidArgumentError(absl::StrCat(where, name, ": is missing"));
-  return &*found;
+  if (found != object.end()) return &*found;
+  faults->Take(absl::InvalidArgumentError(absl::StrCat(where, name, ": is missing")));
+  return nullptr;
 }
 
 absl::StatusOr<std::string> ReadText(const Json& value, const std::string& field) {
@@ -42,14 +82,18 @@ absl::StatusOr<std::string> ReadText(const Json& value, const std::string& field
   return value.get<std::string>();
 }
 
-absl::StatusOr<std::vector<std::string>> ReadTexts(const Json& value, const std::string& field) {
-  if (!value.is_array()) return Refuse(field, value, "expected a list of texts");
-  std::vector<std::string> texts;
-  for (size_t i = 0; i < value.size(); ++i) {
-    ASSIGN_OR_RETURN(std::string text, ReadText(value[i], absl::StrCat(field, "[", i, "]")));
-    texts.push_back(std::move(text));
+// `take(text, "field[2]")` for each text of a list, a status: what is wrong with it.
+template <typename TakeText>
+void ReadTexts(const Json& value, const std::string& field, const TakeText& take, Faults* faults) {
+  if (!value.is_array()) {
+    faults->Take(Refuse(field, value, "expected a list of texts"));
+    return;
   }
-  return texts;
+  for (size_t i = 0; i < value.size(); ++i) {
+    const std::string place = absl::StrCat(field, "[", i, "]");
+    std::string text;
+    if (faults->Take(ReadText(value[i], place), &text)) faults->Take(take(text, place));
+  }
 }
 
 absl::StatusOr<std::vector<double>> ReadNumbers(const Json& value, const std::string& field, size_t count) {
@@ -65,7 +109,7 @@ absl::StatusOr<Eigen::Vector3d> ReadDirection(const Json& value, const std::stri
   ASSIGN_OR_RETURN(const std::vector<double> xyz, ReadNumbers(value, field, 3));
   const Eigen::Vector3d direction(xyz[0], xyz[1], xyz[2]);
   if (!(std::abs(direction.norm() - 1.0) <= kDirectionTolerance)) return Refuse(field, value, "must have length 1");
-  return direction / direction.norm();
+  return Eigen::Vector3d(direction / direction.norm());
 }
 
 absl::StatusOr<AxisKind> ReadKind(const Json& value, const std::string& field) {
@@ -74,33 +118,38 @@ absl::StatusOr<AxisKind> ReadKind(const Json& value, const std::string& field) {
   return Refuse(field, value, "expected \"linear\" or \"rotary\"");
 }
 
-absl::Status ReadPoint(const Json& object, const std::string& where, Axis& axis) {
+// `is_known`: the axis' kind is; what depends on it is judged then.
+absl::Status ReadPoint(const Json& object, const std::string& where, bool is_known, Axis& axis) {
   const auto found = object.find("point_mm");
   if (found == object.end()) {
-    if (axis.kind == AxisKind::kLinear) return absl::OkStatus();
+    if (!is_known || axis.kind == AxisKind::kLinear) return absl::OkStatus();
     return absl::InvalidArgumentError(where + "point_mm: is missing, a rotary axis needs a point on it");
   }
   ASSIGN_OR_RETURN(const std::vector<double> xyz, ReadNumbers(*found, where + "point_mm", 3));
   axis.point_mm = Eigen::Vector3d(xyz[0], xyz[1], xyz[2]);
-  if (axis.kind == AxisKind::kLinear && axis.point_mm != Eigen::Vector3d::Zero()) {
+  if (is_known && axis.kind == AxisKind::kLinear && axis.point_mm != Eigen::Vector3d::Zero()) {
     return Refuse(where + "point_mm", *found, "a linear axis has no point: its errors act about the machine origin");
   }
+  if (axis.point_mm.cwiseAbs().maxCoeff() > kFarthestPointMm)
+    return Refuse(where + "point_mm", *found, "must be finite, at most 1e6 mm");
   return absl::OkStatus();
 }
 
-absl::Status ReadTravel(const Json& object, const std::string& where, Axis& axis) {
+absl::Status ReadTravel(const Json& object, const std::string& where, bool is_known, Axis& axis) {
   const bool linear = axis.kind == AxisKind::kLinear;
-  const std::string right = linear ? "travel_mm" : "travel_deg", wrong = linear ? "travel_deg" : "travel_mm";
-  if (const auto found = object.find(wrong); found != object.end()) {
-    return Refuse(where + wrong, *found, absl::StrCat("a ", linear ? "linear" : "rotary", " axis has ", right));
+  for (const bool is_mm : {true, false}) {
+    const std::string field = is_mm ? "travel_mm" : "travel_deg";
+    const auto found = object.find(field);
+    if (found == object.end()) continue;
+    if (is_known && is_mm != linear) {
+      return Refuse(where + field, *found, linear ? "a linear axis has travel_mm" : "a rotary axis has travel_deg");
+    }
+    ASSIGN_OR_RETURN(const std::vector<double> limits, ReadNumbers(*found, where + field, 2));
+    if (!(limits[0] < limits[1])) return Refuse(where + field, *found, "the lower limit must be below the upper one");
+    const double unit = is_mm ? 1.0 : base::kRadPerDeg;
+    axis.min_position = limits[0] * unit;
+    axis.max_position = limits[1] * unit;
   }
-  const auto found = object.find(right);
-  if (found == object.end()) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const std::vector<double> limits, ReadNumbers(*found, where + right, 2));
-  if (!(limits[0] < limits[1])) return Refuse(where + right, *found, "the lower limit must be below the upper one");
-  const double unit = linear ? 1.0 : base::kRadPerDeg;
-  axis.min_position = limits[0] * unit;
-  axis.max_position = limits[1] * unit;
   return absl::OkStatus();
 }
 
@@ -113,11 +162,11 @@ constexpr RollOverName kRollOverNames[] = {{"none", RollOver::kNone},
                                            {"sign", RollOver::kBySign},
                                            {"difference", RollOver::kByDifference}};
 
-absl::Status ReadRollOver(const Json& object, const std::string& where, Axis& axis) {
+absl::Status ReadRollOver(const Json& object, const std::string& where, bool is_known, Axis& axis) {
   const auto found = object.find("roll_over");
   if (found == object.end()) return absl::OkStatus();
   const std::string field = where + "roll_over";
-  if (axis.kind == AxisKind::kLinear) return Refuse(field, *found, "only rotary axes may roll over");
+  if (is_known && axis.kind == AxisKind::kLinear) return Refuse(field, *found, "only rotary axes may roll over");
   for (const RollOverName& known : kRollOverNames) {
     if (*found == known.name) axis.roll_over = known.roll_over;
   }
@@ -129,46 +178,76 @@ absl::Status ReadRollOver(const Json& object, const std::string& where, Axis& ax
   return absl::OkStatus();
 }
 
-absl::StatusOr<Axis> ReadAxis(const std::string& name, const Json& object) {
-  const std::string where = absl::StrCat("axes.", name, ".");
-  if (!IsAxisName(name)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "axes.", name, ": expected a capital letter other than T and W, and optional digits, as the axis name"));
-  }
-  if (!object.is_object()) return Refuse("axes." + name, object, "expected {\"kind\": ..., \"direction\": ...}");
-  RETURN_IF_ERROR(
-      OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg", "roll_over"}));
+// What of it is right.
+Axis ReadAxis(const std::string& name, const Json& object, Faults* faults) {
   Axis axis;
   axis.name = name;
-  ASSIGN_OR_RETURN(const Json* kind, Member(object, where, "kind"));
-  ASSIGN_OR_RETURN(axis.kind, ReadKind(*kind, where + "kind"));
-  ASSIGN_OR_RETURN(const Json* direction, Member(object, where, "direction"));
-  ASSIGN_OR_RETURN(axis.direction, ReadDirection(*direction, where + "direction"));
-  RETURN_IF_ERROR(ReadPoint(object, where, axis));
-  RETURN_IF_ERROR(ReadTravel(object, where, axis));
-  RETURN_IF_ERROR(ReadRollOver(object, where, axis));
+  const std::string where = absl::StrCat("axes.", name, ".");
+  if (!IsAxisName(name)) {
+    faults->Take(absl::InvalidArgumentError(absl::StrCat(
+        "axes.", name, ": expected a capital letter other than T and W, and optional digits, as the axis name")));
+  }
+  if (!object.is_object()) {
+    faults->Take(Refuse("axes." + name, object, "expected {\"kind\": ..., \"direction\": ...}"));
+    return axis;
+  }
+  OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg", "roll_over"}, faults);
+  const Json* const kind = Member(object, where, "kind", faults);
+  const bool is_known = kind != nullptr && faults->Take(ReadKind(*kind, where + "kind"), &axis.kind);
+  if (const Json* const direction = Member(object, where, "direction", faults))
+    faults->Take(ReadDirection(*direction, where + "direction"), &axis.direction);
+  faults->Take(ReadPoint(object, where, is_known, axis));
+  faults->Take(ReadTravel(object, where, is_known, axis));
+  faults->Take(ReadRollOver(object, where, is_known, axis));
   return axis;
 }
 
-// Moves the axes that `field` names from `unplaced` to the machine, in the branch's order.
-absl::StatusOr<std::vector<int>> ReadBranch(const Json& root, const std::string& field, std::vector<Axis>& unplaced,
-                                            Machine& machine) {
-  ASSIGN_OR_RETURN(const Json* value, Member(root, "", field));
-  ASSIGN_OR_RETURN(const std::vector<std::string> names, ReadTexts(*value, field));
+// Moves the axes that `field` names from `unplaced` to the machine, in the branch's order. `are_listed`: there are axes
+// to name.
+std::vector<int> ReadBranch(const Json& root, const std::string& field, bool are_listed, std::vector<Axis>& unplaced,
+                            Machine& machine, Faults* faults) {
   std::vector<int> branch;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const std::string place = absl::StrCat(field, "[", i, "]: '", names[i], "', ");
-    if (FindAxis(machine, names[i]) >= 0) {
-      return absl::InvalidArgumentError(place + "stands in a branch already, expected each axis once");
-    }
+  const Json* const value = Member(root, "", field, faults);
+  if (value == nullptr) return branch;
+  const auto place_axis = [&](const std::string& name, const std::string& place) {
+    if (!are_listed) return absl::OkStatus();
+    const std::string what = absl::StrCat(place, ": '", name, "', ");
+    if (FindAxis(machine, name) >= 0)
+      return absl::InvalidArgumentError(what + "stands in a branch already, expected each axis once");
     const auto found =
-        std::find_if(unplaced.begin(), unplaced.end(), [&](const Axis& axis) { return axis.name == names[i]; });
-    if (found == unplaced.end()) return absl::InvalidArgumentError(place + "expected the name of an axis in 'axes'");
+        std::find_if(unplaced.begin(), unplaced.end(), [&](const Axis& axis) { return axis.name == name; });
+    if (found == unplaced.end()) return absl::InvalidArgumentError(what + "expected the name of an axis in 'axes'");
     branch.push_back(machine.axis_count());
     machine.axes.push_back(*found);
     unplaced.erase(found);
-  }
+    return absl::OkStatus();
+  };
+  ReadTexts(*value, field, place_axis, faults);
   return branch;
+}
+
+// The axes and the branches in which they stand. Returns whether all of them stand there, right or wrong.
+bool ReadAxes(const Json& root, Machine& machine, Faults* faults) {
+  std::vector<Axis> unplaced;
+  if (const Json* const axes = Member(root, "", "axes", faults)) {
+    if (!axes->is_object() || axes->empty()) {
+      faults->Take(Refuse("axes", *axes, "expected an object with a member for each axis"));
+    } else if (axes->size() > kMaxAxes) {  // before they are placed, which compares each with each
+      faults->Take(absl::InvalidArgumentError(absl::StrCat("axes: ", axes->size(), " axes, expected 1 to ", kMaxAxes)));
+    } else {
+      for (const auto& [name, object] : axes->items()) unplaced.push_back(ReadAxis(name, object, faults));
+    }
+  }
+  const bool are_listed = !unplaced.empty();
+  const size_t before = faults->size();
+  machine.tool_branch = ReadBranch(root, "tool_branch", are_listed, unplaced, machine, faults);
+  machine.work_branch = ReadBranch(root, "work_branch", are_listed, unplaced, machine, faults);
+  if (!are_listed || faults->size() > before) return false;
+  for (const Axis& axis : unplaced) {
+    faults->Take(absl::InvalidArgumentError(
+        absl::StrCat("axes.", axis.name, ": is in no branch, expected it in tool_branch or work_branch")));
+  }
+  return unplaced.empty();
 }
 
 struct ProfileText {
@@ -194,21 +273,31 @@ constexpr ProfileList kProfileLists[] = {{"offsets", &ProgramProfile::offsets},
                                          {"tool_lengths", &ProgramProfile::tool_lengths},
                                          {"tool_radii", &ProgramProfile::tool_radii}};
 
-absl::StatusOr<ProgramProfile> ReadPrograms(const Json& root) {
+ProgramProfile ReadPrograms(const Json& root, Faults* faults) {
   ProgramProfile profile;
   const auto found = root.find("programs");
   if (found == root.end()) return profile;
-  if (!found->is_object()) return Refuse("programs", *found, "expected an object");
-  RETURN_IF_ERROR(OnlyMembers(*found, "programs.",
-                              {"tool_tip", "dialect", "unit", "integer_words", "decimals", "block_delete", "harmless_m",
-                               "start", "tool_change_keeps", "offsets", "tool_lengths", "tool_radii"}));
+  if (!found->is_object()) {
+    faults->Take(Refuse("programs", *found, "expected an object"));
+    return profile;
+  }
+  OnlyMembers(*found, "programs.",
+              {"tool_tip", "dialect", "unit", "integer_words", "decimals", "block_delete", "harmless_m", "start",
+               "tool_change_keeps", "offsets", "tool_lengths", "tool_radii"},
+              faults);
   for (const ProfileText& known : kProfileTexts) {
-    if (!found->contains(known.name)) continue;
-    ASSIGN_OR_RETURN(profile.*known.text, ReadText((*found)[known.name], absl::StrCat("programs.", known.name)));
+    const auto text = found->find(known.name);
+    if (text != found->end())
+      faults->Take(ReadText(*text, absl::StrCat("programs.", known.name)), &(profile.*known.text));
   }
   for (const ProfileList& known : kProfileLists) {
-    if (!found->contains(known.name)) continue;
-    ASSIGN_OR_RETURN(profile.*known.texts, ReadTexts((*found)[known.name], absl::StrCat("programs.", known.name)));
+    const auto list = found->find(known.name);
+    if (list == found->end()) continue;
+    const auto keep = [&](const std::string& text, const std::string&) {
+      (profile.*known.texts).push_back(text);
+      return absl::OkStatus();
+    };
+    ReadTexts(*list, absl::StrCat("programs.", known.name), keep, faults);
   }
   return profile;
 }
@@ -224,15 +313,15 @@ Json ProgramsJson(const ProgramProfile& profile) {
   return json;
 }
 
-absl::Status ReadDeclared(const Json& root, Machine& machine) {
+// `are_axes_known`: which axes the machine has is.
+void ReadDeclared(const Json& root, bool are_axes_known, Machine& machine, Faults* faults) {
   const auto found = root.find("declared");
-  if (found == root.end()) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const std::vector<std::string> texts, ReadTexts(*found, "declared"));
-  for (size_t i = 0; i < texts.size(); ++i) {
-    const std::string place = absl::StrCat("declared[", i, "]: '", texts[i], "', ");
-    const auto symbol = ParseErrorSymbol(texts[i]);
-    if (!symbol.ok()) return base::Within(absl::StrCat("declared[", i, "]"), symbol.status());
-    if (FindJoint(machine, symbol->axis) < 0) {
+  if (found == root.end()) return;
+  const auto declare = [&](const std::string& text, const std::string& at) {
+    const auto symbol = ParseErrorSymbol(text);
+    if (!symbol.ok()) return base::Within(at, symbol.status());
+    const std::string place = absl::StrCat(at, ": '", text, "', ");
+    if (are_axes_known && FindJoint(machine, symbol->axis) < 0) {
       return absl::InvalidArgumentError(absl::StrCat(place, "the machine has no axis ", symbol->axis));
     }
     if (!symbol->is_constant) {
@@ -242,8 +331,9 @@ absl::Status ReadDeclared(const Json& root, Machine& machine) {
       return absl::InvalidArgumentError(place + "is there twice");
     }
     machine.declared.push_back(*symbol);
-  }
-  return absl::OkStatus();
+    return absl::OkStatus();
+  };
+  ReadTexts(*found, "declared", declare, faults);
 }
 
 Json Number(double number) {
@@ -297,40 +387,26 @@ Json Names(const Machine& machine, const std::vector<int>& branch) {
 absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   ASSIGN_OR_RETURN(const Json root, base::ParseStrictJson(text));
   if (!root.is_object()) return Refuse("machine", root, "expected a JSON object");
-  RETURN_IF_ERROR(OnlyMembers(root, "",
-                              {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared",
-                               "note", "source", "programs"}));
+  Faults faults;
+  OnlyMembers(root, "",
+              {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared", "note", "source",
+               "programs"},
+              &faults);
   Machine machine;
-  ASSIGN_OR_RETURN(const Json* id, Member(root, "", "id"));
-  ASSIGN_OR_RETURN(machine.id, ReadText(*id, "id"));
-  if (root.contains("structure")) {
-    ASSIGN_OR_RETURN(machine.structure, ReadText(root["structure"], "structure"));
+  if (const Json* const id = Member(root, "", "id", &faults)) {
+    if (faults.Take(ReadText(*id, "id"), &machine.id) && !IsMachineId(machine.id))
+      faults.Take(Refuse("id", *id, absl::StrCat("an ", kMachineIdRule)));
   }
-  ASSIGN_OR_RETURN(const Json* axes, Member(root, "", "axes"));
-  if (!axes->is_object() || axes->empty()) {
-    return Refuse("axes", *axes, "expected an object with a member for each axis");
-  }
-  // Before they are placed, which compares each with each.
-  if (axes->size() > kMaxAxes) {
-    return absl::InvalidArgumentError(absl::StrCat("axes: ", axes->size(), " axes, expected 1 to ", kMaxAxes));
-  }
-  std::vector<Axis> unplaced;
-  for (const auto& [name, object] : axes->items()) {
-    ASSIGN_OR_RETURN(Axis axis, ReadAxis(name, object));
-    unplaced.push_back(std::move(axis));
-  }
-  ASSIGN_OR_RETURN(machine.tool_branch, ReadBranch(root, "tool_branch", unplaced, machine));
-  ASSIGN_OR_RETURN(machine.work_branch, ReadBranch(root, "work_branch", unplaced, machine));
-  if (!unplaced.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("axes.", unplaced[0].name, ": is in no branch, expected it in tool_branch or work_branch"));
-  }
-  ASSIGN_OR_RETURN(const Json* tool_direction, Member(root, "", "tool_direction"));
-  ASSIGN_OR_RETURN(machine.tool_direction, ReadDirection(*tool_direction, "tool_direction"));
-  RETURN_IF_ERROR(ReadDeclared(root, machine));
-  RETURN_IF_ERROR(ReadPrograms(root).status());
+  if (const auto structure = root.find("structure"); structure != root.end())
+    faults.Take(ReadText(*structure, "structure"), &machine.structure);
+  const bool are_axes_known = ReadAxes(root, machine, &faults);
+  if (const Json* const tool_direction = Member(root, "", "tool_direction", &faults))
+    faults.Take(ReadDirection(*tool_direction, "tool_direction"), &machine.tool_direction);
+  ReadDeclared(root, are_axes_known, machine, &faults);
+  ReadPrograms(root, &faults);
+  if (are_axes_known) faults.Take(CheckStructure(machine));
+  RETURN_IF_ERROR(faults.ToStatus());
   RETURN_IF_ERROR(Validate(machine));
-  RETURN_IF_ERROR(CheckStructure(machine));
   return machine;
 }
 
@@ -344,7 +420,8 @@ absl::StatusOr<Machine> ReadMachineFile(const std::string& path) {
 absl::StatusOr<ProgramProfile> ProgramProfileFromJson(const std::string& description_json) {
   RETURN_IF_ERROR(MachineFromJson(description_json).status());
   ASSIGN_OR_RETURN(const Json root, base::ParseStrictJson(description_json));
-  return ReadPrograms(root);
+  Faults none;
+  return ReadPrograms(root, &none);
 }
 
 absl::StatusOr<std::string> WithProgramProfile(const std::string& description_json, const ProgramProfile& profile) {

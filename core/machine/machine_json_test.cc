@@ -85,8 +85,8 @@ TEST(MachineJson, SaysHowARotaryAxisCounts) {
   EXPECT_EQ(MachineFromJson(kMachine)->axes[2].roll_over, RollOver::kUnstated);
   EXPECT_EQ(MachineToJson(*MachineFromJson(kMachine)).find("roll_over"), std::string::npos);
   for (const auto& [name, roll_over] : kNames) {
-    const auto machine = MachineFromJson(
-        With(R"([-490, 0, 0])", absl::StrCat(R"([-490, 0, 0], "roll_over": ")", name, "\"")));
+    const auto machine =
+        MachineFromJson(With(R"([-490, 0, 0])", absl::StrCat(R"([-490, 0, 0], "roll_over": ")", name, "\"")));
     ASSERT_TRUE(machine.ok()) << machine.status();
     EXPECT_EQ(machine->axes[2].roll_over, roll_over);
     EXPECT_EQ(MachineFromJson(MachineToJson(*machine))->axes[2].roll_over, roll_over);
@@ -155,6 +155,72 @@ INSTANTIATE_TEST_SUITE_P(
         BadMachine{R"("B": {)", R"("b": {)", "axes.b: expected a capital letter"},
         BadMachine{R"("B": {)", R"("T": {)", "axes.T: expected a capital letter other than T and W"},
         BadMachine{R"(["C"],)", R"(["C"])", "line 10, column"}));
+
+// A description that was typed by hand is mended in one go, not by one field per try.
+TEST(MachineJson, AllThatIsMissingOrWrongIsNamedAtOnce) {
+  EXPECT_EQ(Problem("{}"),
+            "5 fields are missing or wrong:\n  id: is missing\n  axes: is missing\n  tool_branch: is missing\n"
+            "  work_branch: is missing\n  tool_direction: is missing");
+  EXPECT_EQ(
+      Problem(R"({"id": "a b", "axes": {
+      "X": {"kind": "prismatic", "direction": [2, 0, 0], "travel_mm": [5, -5], "roll": 1},
+      "B": {"kind": "rotary", "direction": [0, 1], "travel_mm": [0, 1], "roll_over": "modulo"},
+      "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [0, 0, 2e6]}, "Y": 7},
+      "tool_branch": ["X", "B", "Y"], "work_branch": ["C"], "tool_direction": [0, 0, 1, 0]})"),
+      "12 fields are missing or wrong:\n"
+      "  id: \"a b\", an id must be 1 to 100 letters, digits, '-', '_' or '.'\n"
+      "  axes.X.roll: unknown field, expected one of kind, direction, point_mm, travel_mm, travel_deg, roll_over\n"
+      "  axes.X.kind: \"prismatic\", expected \"linear\" or \"rotary\"\n"
+      "  axes.X.direction: [2,0,0], must have length 1\n"
+      "  axes.X.travel_mm: [5,-5], the lower limit must be below the upper one\n"
+      "  axes.B.direction: [0,1], expected [x, y, z], 3 numbers\n"
+      "  axes.B.point_mm: is missing, a rotary axis needs a point on it\n"
+      "  axes.B.travel_mm: [0,1], a rotary axis has travel_deg\n"
+      "  axes.B.roll_over: \"modulo\", expected \"none\", \"shortest\", \"sign\" or \"difference\"\n"
+      "  axes.C.point_mm: [0,0,2000000.0], must be finite, at most 1e6 mm\n"
+      "  axes.Y: 7, expected {\"kind\": ..., \"direction\": ...}\n"
+      "  tool_direction: [0,0,1,0], expected [x, y, z], 3 numbers");
+  EXPECT_EQ(Problem(With(R"("tool_branch": ["X", "B"],
+ "work_branch": ["C"])",
+                         R"("tool_branch": ["X", "Q", 5, "B"], "programs": {"unit": 5, "offsets": ["G54", 4]},
+ "work_branch": ["C", "X"])")),
+            "5 fields are missing or wrong:\n"
+            "  tool_branch[1]: 'Q', expected the name of an axis in 'axes'\n"
+            "  tool_branch[2]: 5, expected a text\n"
+            "  work_branch[1]: 'X', stands in a branch already, expected each axis once\n"
+            "  programs.unit: 5, expected a text\n"
+            "  programs.offsets[1]: 4, expected a text");
+  EXPECT_EQ(Problem(With(R"("EA0B", "XOC", "EZ0T")", R"("EA0Q", "EXX", "EZ0T", "EZ0T", 3)")),
+            "4 fields are missing or wrong:\n"
+            "  declared[0]: 'EA0Q', the machine has no axis Q\n"
+            "  declared[1]: 'EXX', must be a constant error, written with a 0: EX0C\n"
+            "  declared[3]: 'EZ0T', is there twice\n"
+            "  declared[4]: 3, expected a text");
+}
+
+// What follows from another fault is no fault: axes of which some names are wrong stand in no branch, and whether a
+// point is missing depends on the kind.
+TEST(MachineJson, WhatOnlyFollowsIsNotNamed) {
+  EXPECT_EQ(Problem(With(R"("tool_branch": ["X", "B"])", R"("tool_branch": ["X", "A"])")),
+            "tool_branch[1]: 'A', expected the name of an axis in 'axes'");
+  EXPECT_EQ(Problem(With(R"("kind": "rotary", "direction": [0, 1, 0], "point_mm": [0, 0, 0], )",
+                         R"("direction": [0, 1, 0], )")),
+            "axes.B.kind: is missing");
+  EXPECT_EQ(Problem(With(R"("axes": {)", R"("axes": 7, "note2": {)")),
+            "2 fields are missing or wrong:\n  note2: unknown field, expected one of id, structure, axes, tool_branch, "
+            "work_branch, tool_direction, declared, note, source, programs\n"
+            "  axes: 7, expected an object with a member for each axis");
+}
+
+// The wire carries no long errors.
+TEST(MachineJson, OfManyFaultsTheFirstAreNamed) {
+  std::string declared;
+  for (int i = 0; i < 500; ++i) absl::StrAppend(&declared, i == 0 ? "" : ", ", i);
+  const std::string problem = Problem(With(R"("EA0B", "XOC", "EZ0T")", declared));
+  EXPECT_THAT(problem, HasSubstr("500 fields are missing or wrong:\n  declared[0]: 0, expected a text\n"));
+  EXPECT_THAT(problem, ::testing::ContainsRegex("\n  and [0-9]+ more$"));
+  EXPECT_LT(problem.size(), 2000u);
+}
 
 TEST(MachineJson, WhatIsNoObjectIsRefused) {
   EXPECT_EQ(Problem("[1, 2]"), "machine: [1,2], expected a JSON object");
