@@ -35,9 +35,9 @@ class CurvatureSink {
   CurvatureSink(const SolvedProblem& solved, int run, const Eigen::MatrixXd& root)
       : problem_(solved.problem),
         run_(run),
-        setup_(solved.solution.point.setup[solved.problem.group_of_run[run]]),
+        setup_(solved.solution.linearised.setup[solved.problem.group_of_run[run]]),
         root_(root),
-        errors_(problem_, solved.solution.point),
+        errors_(problem_, solved.solution.linearised),
         parameters_(static_cast<Eigen::Index>(solved.parameters.size())),
         row_(setup_.size() + parameters_ + 1 + Pairs()),
         whiteners_(Run().row_count, SeriesWhitener(problem_.noise[run], row_.size())),
@@ -130,11 +130,11 @@ Eigen::MatrixXd CurvedSetupCovariance(const SolvedProblem& solved, const Covaria
       by_change.push_back(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(group.parameters.size()) + p, pairs));
     for (const int run : problem.groups[g].runs) {
       CurvatureSink sink(solved, run, root);
-      VisitRows(problem, run, solved.solution.point, solved.parameters, &sink);
+      VisitRows(problem, run, solved.solution.linearised, solved.parameters, &sink);
       by_change[g] += sink.sum();
     }
     const Eigen::MatrixXd moves =
-        StepsOf(problem, solved.solution.point, solved.solution.normal, solved.held, by_change)[g];
+        StepsOf(problem, solved.solution.linearised, solved.solution.normal, solved.held, by_change)[g];
     // Of u' Q u with u ~ N(0, 1): entry (k, k) of Q is column (k, k), (k, j) half of column (k, j).
     Eigen::VectorXd means = Eigen::VectorXd::Zero(p);
     Eigen::Index column = 0;

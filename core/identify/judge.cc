@@ -47,12 +47,12 @@ std::vector<StatedPart> AddStated(const SolvedProblem& solved, Covariance* covar
   }
   std::vector<StatedPart> parts;
   if (facts.empty()) return parts;
-  const GaussNewtonStep as_it_is = SolveStep(problem, solution.point, solution.normal, solved.held);
+  const Point& at = solution.linearised;
+  const GaussNewtonStep as_it_is = SolveStep(problem, at, solution.normal, solved.held);
   for (const auto& [of, effects] : facts) {
     Problem off = problem;
     for (const auto& [run, effect] : effects) off.runs[run].measured_mm -= effect->by_sigma_mm;
-    const GaussNewtonStep moved =
-        SolveStep(off, solution.point, Assemble(off, solution.point, solved.parameters), solved.held);
+    const GaussNewtonStep moved = SolveStep(off, at, Assemble(off, at, solved.parameters), solved.held);
     StatedPart& part = parts.emplace_back(StatedPart{of, moved.errors - as_it_is.errors});
     const Eigen::Index p = part.moved.size();
     covariance->errors.topLeftCorner(p, p) += part.moved * part.moved.transpose();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace axiscal::identify {
 namespace {
@@ -149,6 +150,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
   Descent descent(problem, parameters, null_space.fixed);
   int flat_steps = 0;
   bool is_steady = false;
+  std::optional<Point> last_step;
   for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {
     if (options.cancelled && options.cancelled()) return absl::CancelledError("identification cancelled");
     const GaussNewtonStep step =
@@ -177,7 +179,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
       std::vector<Eigen::MatrixXd> residuals_mm = ResidualsOf(problem, last);
       const double last_cost = WhitenedSquares(problem, residuals_mm) + PriorSquares(problem, last);
       if (last_cost <= cost * (1.0 + 1e-12) + options.converged_decrement) {
-        solution.point = std::move(last);
+        last_step = std::move(last);
         solution.residuals_mm = std::move(residuals_mm);
       }
       solution.has_converged = true;
@@ -197,6 +199,8 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
       break;
     }
   }
+  solution.linearised = solution.point;
+  if (last_step) solution.point = *std::move(last_step);
   solution.cost = cost;
   solution.is_curved = descent.is_curved();
   if (solution.residuals_mm.empty()) solution.residuals_mm = ResidualsOf(problem, solution.point);

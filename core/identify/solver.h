@@ -9,7 +9,10 @@ namespace axiscal::identify {
 
 struct Solution {
   Point point;
-  NormalEquations normal;  // at the last linearisation, a step of less than a thousandth of sigma away
+  // Where `normal` was assembled: a last step before `point`, which chi-square hardly tells from it. What is put into
+  // equations with `normal` is taken there: offsets that the readings hardly see may go far by that step.
+  Point linearised;
+  NormalEquations normal;
   std::vector<Eigen::MatrixXd> residuals_mm;
   int iterations = 0;
   bool has_converged = false;

@@ -31,7 +31,8 @@ Eigen::MatrixXd HeldDirections(const SolvedProblem& solved) {
   return solved.null_space.directions(rows, Eigen::all);
 }
 
-// The solution with its errors moved along each direction by as much as an error of a plausible size (`sizes`) does.
+// Where the solution was linearised, with the errors moved along each direction by as much as an error of a plausible
+// size (`sizes`) does.
 struct MovedPoint {
   Point point;
   double size;  // of the move, in units of the direction
@@ -41,7 +42,7 @@ std::vector<MovedPoint> MovedAlong(const SolvedProblem& solved, const Eigen::Mat
                                    const Eigen::VectorXd& sizes) {
   std::vector<MovedPoint> out;
   for (const auto direction : directions.rowwise()) {
-    out.push_back({solved.solution.point, 1.0 / direction.transpose().cwiseQuotient(sizes).cwiseAbs().maxCoeff()});
+    out.push_back({solved.solution.linearised, 1.0 / direction.transpose().cwiseQuotient(sizes).cwiseAbs().maxCoeff()});
     for (size_t i = 0; i < solved.parameters.size(); ++i) {
       const Parameter& parameter = solved.parameters[i];
       const double move = out.back().size * direction[static_cast<Eigen::Index>(i)];
@@ -89,7 +90,7 @@ class ProductSink {
               const std::vector<MovedPoint>& moved, const Eigen::RowVectorXd& is_unknown, const ReadingSample& sample)
       : problem_(solved.problem),
         run_(run),
-        setup_(solved.solution.point.setup[solved.problem.group_of_run[run]]),
+        setup_(solved.solution.linearised.setup[solved.problem.group_of_run[run]]),
         directions_(directions),
         moved_(moved),
         is_unknown_(is_unknown),
@@ -184,6 +185,7 @@ Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& 
   const Eigen::MatrixXd precision = directions * sizes.cwiseAbs2().cwiseInverse().asDiagonal() * directions.transpose();
   const Eigen::MatrixXd root = precision.llt().matrixU().solve(Eigen::MatrixXd::Identity(k, k));  // root root' = 1 / P
 
+  const Point& at = solved.solution.linearised;
   const std::vector<MovedPoint> moved = MovedAlong(solved, directions, sizes);
   std::vector<Eigen::MatrixXd> by_change;
   for (size_t g = 0; g < problem.groups.size(); ++g) {
@@ -196,14 +198,13 @@ Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& 
     for (const int run : problem.groups[g].runs) {
       const ReadingSample sample = SampleOf(problem.runs[run], stretches);
       ProductSink sink(solved, run, directions, moved, is_unknown, sample);
-      VisitRows(problem, run, solved.solution.point, solved.parameters, &sink, sample);
+      VisitRows(problem, run, at, solved.parameters, &sink, sample);
       sums += sink.Scaled();
     }
     by_change.emplace_back(s + p, (s + 1) * k);
     by_change.back() << ByChangeOfAll(sums, gram), gram.rightCols(p) * directions.transpose();
   }
-  const std::vector<Eigen::MatrixXd> moves =
-      StepsOf(problem, solved.solution.point, solved.solution.normal, solved.held, by_change);
+  const std::vector<Eigen::MatrixXd> moves = StepsOf(problem, at, solved.solution.normal, solved.held, by_change);
   for (size_t g = 0; g < moves.size(); ++g) {
     const Eigen::Index s = static_cast<Eigen::Index>(problem.groups[g].parameters.size());
     for (Eigen::Index z = 0; z < k; ++z) {
@@ -212,9 +213,14 @@ Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& 
       out += by_offset * covariance.setup[g] * by_offset.transpose();
     }
   }
-  // An error is the same in all groups.
+  // An error is the same in all groups. At the solution J n is d more for each unit of the last step.
   Eigen::MatrixXd at_solution = Eigen::MatrixXd::Zero(p, k);
-  for (const Eigen::MatrixXd& move : moves) at_solution += move.rightCols(k) * root;
+  for (size_t g = 0; g < moves.size(); ++g) {
+    const Eigen::VectorXd last_step = solved.solution.point.setup[g] - at.setup[g];
+    Eigen::MatrixXd move = moves[g].rightCols(k);
+    for (Eigen::Index i = 0; i < last_step.size(); ++i) move += last_step[i] * moves[g].middleCols(i * k, k);
+    at_solution += move * root;
+  }
   out += at_solution * at_solution.transpose();
   return out;
 }
