@@ -82,6 +82,17 @@ std::vector<reports::WarningFacts> FindTwoClocks(const Problem& problem, const R
   return {reports::TwoClocks{overlap->first, overlap->second, std::move(errors)}};
 }
 
+namespace {
+
+// a x b = CrossMatrix(a) b.
+Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d matrix;
+  matrix << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return matrix;
+}
+
+}  // namespace
+
 std::vector<reports::WarningFacts> FindMoved(const Problem& problem, const Point& point, const Covariance& covariance) {
   constexpr double kSurely = 4.0;
   std::vector<reports::WarningFacts> warnings;
@@ -94,12 +105,17 @@ std::vector<reports::WarningFacts> FindMoved(const Problem& problem, const Point
     const Eigen::Vector3d middle_mm = run.measured_mm.rowwise().mean();
     for (int move = 0; move < run.targets.Moves(); ++move) {
       const Eigen::Index at = first + tracker::kPoseOffsets * Eigen::Index{move};
-      const Eigen::Matrix<double, 6, 1> moved = point.setup[g].segment<6>(at);
-      Eigen::Matrix<double, 3, 6> by_pose;
-      by_pose << Eigen::Matrix3d::Identity(), Eigen::Vector3d::UnitX().cross(middle_mm),
-          Eigen::Vector3d::UnitY().cross(middle_mm), Eigen::Vector3d::UnitZ().cross(middle_mm);
-      const Eigen::Matrix<double, 6, 6> spread = covariance.setup[g].block<6, 6>(at, at);
-      const Eigen::Vector3d went_mm = by_pose * moved, turned_rad = moved.tail<3>();
+      const Eigen::VectorXd& setup = point.setup[g];
+      const Eigen::Matrix<double, 6, 1> moved = setup.segment<6>(at);
+      const Eigen::Vector3d turned_rad = moved.tail<3>();
+      // The pose turns what stands where it is read less the pose's own shift. Readings may tell nothing of that shift
+      // along a direction (where a target stands on the tool is unknown, too): how far it went comes with both.
+      const Eigen::Vector3d lever_mm = middle_mm - setup.head<3>();
+      const Eigen::Vector3d went_mm = moved.head<3>() + turned_rad.cross(lever_mm);
+      Eigen::Matrix<double, 3, 9> by_pose;  // the frame's shift, the move
+      by_pose << -CrossMatrix(turned_rad), Eigen::Matrix3d::Identity(), -CrossMatrix(lever_mm);
+      const Eigen::Matrix<Eigen::Index, 9, 1> offsets{0, 1, 2, at, at + 1, at + 2, at + 3, at + 4, at + 5};
+      const Eigen::Matrix<double, 9, 9> spread = covariance.setup[g](offsets, offsets);
       const Eigen::Matrix3d spread_mm2 = by_pose * spread * by_pose.transpose();
       // Along the way that it went.
       const auto along = [](const Eigen::Vector3d& way, const Eigen::Matrix3d& of) {
