@@ -6,6 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/loop_text.h"
 #include "core/reports/calibration.h"
+#include "core/reports/stated_shares.h"
 
 namespace axiscal::cli {
 
@@ -363,19 +364,14 @@ std::string DatumText(const reports::Fitted& fitted) {
   return text;
 }
 
-// What stated facts have in the sigmas: those that make a tenth of one or more.
 std::string StatedText(const reports::Fitted& fitted) {
-  constexpr double kWorthSaying = 0.1;
   std::string text;
-  for (const reports::StatedFact& fact : fitted.stated) {
-    std::string moves;
-    for (const auto& [name, by] : fact.moves) {
-      const auto error = std::find_if(fitted.errors.begin(), fitted.errors.end(),
-                                      [&name = name](const reports::Error& one) { return one.name == name; });
-      if (error == fitted.errors.end() || !(std::abs(by) >= kWorthSaying * error->sigma)) continue;
-      absl::StrAppend(&moves, moves.empty() ? "" : ", ", NumberText(std::abs(by)), " ", error->unit, " of ", name);
+  for (const reports::StatedShares& fact : reports::StatedSharesOf(fitted)) {
+    std::string shares;
+    for (const reports::StatedShares::Share& share : fact.shares) {
+      absl::StrAppend(&shares, shares.empty() ? "" : ", ", NumberText(share.by), " ", share.unit, " of ", share.error);
     }
-    if (!moves.empty()) absl::StrAppend(&text, "in the sigmas by the ", fact.of, ": ", moves, "\n");
+    absl::StrAppend(&text, "in the sigmas by the ", fact.of, ": ", shares, "\n");
   }
   return text;
 }

@@ -10,6 +10,13 @@
 namespace axiscal::reports {
 namespace {
 
+// To so many significant digits, those of a large number zeros: 1630, not 1.63e+03.
+std::string Digits(double number, int digits) {
+  const std::string text = absl::StrFormat("%.*g", digits, number);
+  const bool is_large = text.find("e+") != std::string::npos;
+  return is_large ? absl::StrFormat("%.0f", std::stod(text)) : text;
+}
+
 Warning Of(const Scatter& facts) {
   if (facts.about == Scatter::About::kCutter) {
     return {WarningKind::kScatter,
@@ -99,8 +106,9 @@ Warning Of(const DatumMoved& facts) {
   for (const DatumMoved::Group& group : facts.groups) {
     std::string axes, names;
     for (const DatumMoved::Axis& axis : group.axes) {
-      absl::StrAppend(&axes, axes.empty() ? "" : ", ",
-                      absl::StrFormat("%s by %.4g +- %.2g um", axis.name, axis.moved_um, axis.sigma_um));
+      absl::StrAppend(
+          &axes, axes.empty() ? "" : ", ",
+          absl::StrFormat("%s by %s +- %s um", axis.name, Digits(axis.moved_um, 4), Digits(axis.sigma_um, 2)));
       absl::StrAppend(&names, " ", axis.name);
     }
     const bool is_one = group.sessions.size() == 1;
@@ -156,10 +164,10 @@ Warning Of(const TrackerMoved& facts) {
   return {
       WarningKind::kMoved,
       absl::StrFormat("session '%s': the tracker itself moved, not the machine: what stands in the middle of its "
-                      "readings seemed to go by up to %.3g +- %.2g um and to turn by %.3g +- %.2g urad (t_s = %.0f), "
+                      "readings seemed to go by up to %s +- %s um and to turn by %s +- %s urad (t_s = %.0f), "
                       "as %d reference targets show in %d looks; it is taken off and in no error",
-                      facts.session, facts.moved_um, facts.sigma_um, facts.turned_urad, facts.turn_sigma_urad,
-                      facts.at_s, facts.references, facts.looks)};
+                      facts.session, Digits(facts.moved_um, 3), Digits(facts.sigma_um, 2), Digits(facts.turned_urad, 3),
+                      Digits(facts.turn_sigma_urad, 2), facts.at_s, facts.references, facts.looks)};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/reports/stated_shares.h"
 #include "core/session/stated_facts.h"
 #include "core/sheet/iso_words.h"
 #include "core/sheet/numbers.h"
@@ -13,6 +14,7 @@ namespace {
 
 // What fits on a page at a size that can be read.
 constexpr size_t kMostErrors = 26, kMostInPairs = 60, kMostSessions = 8, kMostLines = 5, kMostLetters = 180;
+constexpr size_t kMostOfRemark = 320;  // what is to be done about it stands at the end of most
 
 // `text` to so many bytes, never within a letter.
 std::string Cut(const std::string& text, size_t most = kMostLetters) {
@@ -143,7 +145,20 @@ class Writer {
     }
     if (fitted_.errors.empty()) section.lines.push_back(Say("None was fitted.", "Keine wurde angepasst."));
     if (section.rows.size() > kMostErrors) PutInPairs(&section);
+    AddStated(&section);
     Add(std::move(section), kMostInPairs / 2);
+  }
+
+  // Expansions, certified values and thermometers that make a tenth of an uncertainty or more.
+  void AddStated(Section* section) const {
+    for (const reports::StatedShares& fact : reports::StatedSharesOf(fitted_)) {
+      std::string shares;
+      for (const reports::StatedShares::Share& share : fact.shares) {
+        absl::StrAppend(&shares, shares.empty() ? "" : ", ", NumberText(share.by, 2, language_), " ",
+                        UnitText(share.unit), Say(" of ", " von "), share.error);
+      }
+      section->lines.push_back(absl::StrCat(Say("In u by the ", "In u durch "), fact.of, ": ", shares));
+    }
   }
 
   // Many errors: two beside each other by their symbols alone, so that a page that is signed has them all.
@@ -302,7 +317,7 @@ class Writer {
       section.lines.push_back(
           absl::StrCat(Say("Readings set aside: ", "Ausgeschlossene Messwerte: "), fitted_.outliers.size()));
     }
-    if (!section.lines.empty()) Add(std::move(section), kMostLines);
+    if (!section.lines.empty()) Add(std::move(section), kMostLines, kMostOfRemark);
   }
 
   std::string LeftOut(size_t count) const {
@@ -311,8 +326,8 @@ class Writer {
   }
 
   // Lines are cut, and rows and lines beyond `most` give way to a word on how many there are.
-  void Add(Section section, size_t most) {
-    for (std::string& line : section.lines) line = Cut(line);
+  void Add(Section section, size_t most, size_t most_letters = kMostLetters) {
+    for (std::string& line : section.lines) line = Cut(line, most_letters);
     if (section.lines.size() > most) {
       const std::string more = LeftOut(section.lines.size() - most);
       section.lines.resize(most);

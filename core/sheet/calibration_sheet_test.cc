@@ -82,6 +82,30 @@ TEST(CalibrationSheet, SaysCertificates) {
               ElementsAre("BX: certificate 4711 of bar_length, valid until 2027-01-31 (expired when measured)"));
 }
 
+// Where an uncertainty comes from that measuring again does not lessen.
+TEST(CalibrationSheet, SaysWhatStatedFactsHaveInTheUncertainties) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  fitted.stated = {{"thermometer of temp_C, +- 0.1 K", {{"EX0C", -0.14}}},
+                   {"expansion of scale X, 9 +- 0.5 um/(m K)", {{"EX0C", 0.001}}}};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
+  EXPECT_THAT(sheet.sections[0].lines, ElementsAre("In u by the thermometer of temp_C, +- 0.1 K: 0.14 µm of EX0C"));
+  EXPECT_THAT(CalibrationSheet(calibration, Language::kGerman).sections[0].lines,
+              ElementsAre("In u durch thermometer of temp_C, +- 0.1 K: 0,14 µm von EX0C"));
+}
+
+// A remark ends with what it means: 180 letters of it were a riddle.
+TEST(CalibrationSheet, RemarksAreWhole) {
+  CalibrationToPrint calibration = ACalibration();
+  const reports::TrackerMoved moved{"station-1", 3, 5, 1630.0, 190.0, 719.0, 6.5, 130.0};
+  std::get<reports::Identification>(calibration.report).fitted.warnings = {reports::InWords(moved)};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
+  const Section& remarks = sheet.sections.back();
+  ASSERT_EQ(remarks.title, "Remarks");
+  EXPECT_THAT(remarks.lines[0], HasSubstr("seemed to go by up to 1630 +- 190 um and to turn by 719 +- 6.5 urad"));
+  EXPECT_THAT(remarks.lines[0], ::testing::EndsWith("it is taken off and in no error"));
+}
+
 TEST(CalibrationSheet, IsGermanForGermanReaders) {
   const Sheet sheet = CalibrationSheet(ACalibration(), Language::kGerman);
   EXPECT_THAT(RowOf(sheet, "EX0C"), ElementsAre("EX0C", "Lageabweichung von C in X", "-22,24", "0,15", "0,32", "µm"));
