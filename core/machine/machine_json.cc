@@ -33,8 +33,9 @@ class Faults {
   // The same of a value, which goes to `value` where it is there.
   template <typename T>
   bool Take(absl::StatusOr<T> read, T* value) {
-    if (read.ok()) *value = *std::move(read);
-    return Take(read.status());
+    const absl::Status status = read.status();
+    if (status.ok()) *value = *std::move(read);
+    return Take(status);
   }
 
   size_t size() const { return texts_.size(); }
