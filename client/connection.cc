@@ -4,12 +4,26 @@
 #include <random>
 #include <thread>
 
+#include "absl/strings/match.h"
 #include "core/base/error_detail.h"
 #include "core/base/files.h"
 #include "google/rpc/status.pb.h"
 #include "proto/convert/status.h"
 
 namespace axiscal::client {
+namespace {
+
+// Whether gRPC says so of the connection, or a proxy of what is behind it: axiscald sends details with each error. A
+// stream whose server was killed ends as UNKNOWN "Stream removed"; one that a proxy cuts off is reset, with a code by
+// the proxy's choice.
+bool IsOfConnection(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNAVAILABLE || status.error_message() == "Stream removed" ||
+         (absl::StartsWith(status.error_message(), "Received RST_STREAM") &&
+          status.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+}  // namespace
+
 bool Backoff::Wait(base::SteadyTime deadline) {
   if (base::SystemClock().SteadyNow() + next_ >= deadline) return false;
   std::this_thread::sleep_for(next_);
@@ -72,6 +86,15 @@ absl::Status Connection::FromGrpc(const grpc::Status& status) const {
   if (is_timeout && !IsConnected()) {
     return base::Error(absl::StatusCode::kUnavailable, "no connection to " + address_ + " [NO_CONNECTION]",
                        {"NO_CONNECTION", {}});
+  }
+  if (IsOfConnection(status)) {
+    return base::Error(
+        absl::StatusCode::kUnavailable,
+        absl::StrCat("the connection to ", address_.empty() ? "the server" : address_, " broke off (",
+                     status.error_message().empty() ? "no reason" : status.error_message(),
+                     "): the server ended, or the network did. What it had acknowledged is kept; repeat the call when "
+                     "it answers again, or at another replica of it [CONNECTION_LOST]"),
+        {"CONNECTION_LOST", {}});
   }
   return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
                       status.error_message().empty() ? "the server gave no reason" : status.error_message());

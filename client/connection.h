@@ -55,7 +55,8 @@ class Connection {
   absl::Status Call(const std::function<grpc::Status(grpc::ClientContext*)>& attempt,
                     std::chrono::milliseconds deadline) const;
 
-  // Ours for gRPC's: reason and facts of the details, text ending in [REASON].
+  // Ours for gRPC's: reason and facts of the details, text ending in [REASON]. UNAVAILABLE NO_CONNECTION where the time
+  // was over before there was a connection, CONNECTION_LOST where it broke off.
   absl::Status FromGrpc(const grpc::Status& status) const;
 
  private:

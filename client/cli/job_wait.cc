@@ -28,13 +28,31 @@ absl::Status OutcomeOf(const JobRecord& record) {
                                      std::to_string(record.id.number()));
 }
 
+namespace {
+
+// A job does not need the command that created it.
+absl::Status Unwatched(const absl::Status& status, JobId id) {
+  const std::string number = std::to_string(id.number());
+  return base::Error(status.code(),
+                     absl::StrCat(status.message(), "\njob ", number,
+                                  " is stored and runs without this command, also after a restart of the server. See "
+                                  "what becomes of it with: axiscal jobs watch ",
+                                  number, " (--server HOST:PORT of a replica that is up)"),
+                     base::GetErrorDetail(status).value_or(base::ErrorDetail{}));
+}
+
+}  // namespace
+
 absl::StatusOr<JobRecord> FollowJob(const Context& context, client::Client& client, JobId id) {
   ProgressBar bar = context.Bar(absl::StrCat("job ", id.number()));
-  ASSIGN_OR_RETURN(JobRecord record, client.WatchJob(id, [&bar](const JobRecord& now) {
+  absl::StatusOr<JobRecord> record = client.WatchJob(id, [&bar](const JobRecord& now) {
     bar.Show(now.progress.fraction, absl::StrCat(now.progress.stage, " ", now.progress.detail));
     return true;
-  }));
-  RETURN_IF_ERROR(OutcomeOf(record));
+  });
+  if (absl::IsUnavailable(record.status()) || absl::IsDeadlineExceeded(record.status()))
+    return Unwatched(record.status(), id);
+  RETURN_IF_ERROR(record.status());
+  RETURN_IF_ERROR(OutcomeOf(*record));
   return record;
 }
 

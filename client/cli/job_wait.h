@@ -8,7 +8,7 @@
 namespace axiscal::cli {
 
 // Watches the job with a progress bar. The job as it succeeded; else its own error (code, message, "job 12: ..."),
-// CANCELLED when it was cancelled.
+// CANCELLED when it was cancelled. Where its server went away for good meanwhile, the error says how to go on.
 absl::StatusOr<records::JobRecord> FollowJob(const Context& context, client::Client& client, JobId id);
 
 // What a job that ended says: OK when it succeeded.

@@ -2,6 +2,7 @@
 #include "tests/end_to_end/testing/process.h"
 
 #include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sysexits.h>
@@ -11,7 +12,9 @@
 #include <fstream>
 #include <functional>
 #include <thread>
+#include <utility>
 
+#include "client/connection.h"
 #include "core/base/error_detail.h"
 #include "core/session/write_session.h"
 #include "server/local_login.h"
@@ -202,6 +205,50 @@ TEST_F(Process, NoServerIsSaidSo) {
   const auto client = client::Client::Connect("127.0.0.1:1", {.connect_deadline = std::chrono::milliseconds(200)});
   EXPECT_EQ(client.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(base::ErrorReason(client.status()), "NO_CONNECTION");
+}
+
+// What gRPC and proxies say of a connection that broke off tells nobody what to do. What the service says stays as it
+// is.
+TEST_F(Process, AConnectionThatBrokeOffIsSaidSo) {
+  const client::Connection connection(grpc::CreateChannel("127.0.0.1:1", grpc::InsecureChannelCredentials()),
+                                      "mill:7410", {});
+  for (const grpc::Status& status :
+       {grpc::Status(grpc::StatusCode::UNKNOWN, "Stream removed"), grpc::Status(grpc::StatusCode::UNAVAILABLE, ""),
+        grpc::Status(grpc::StatusCode::UNAVAILABLE, "Socket closed"),
+        grpc::Status(grpc::StatusCode::CANCELLED, "Received RST_STREAM with error code 8")}) {
+    const absl::Status told = connection.FromGrpc(status);
+    EXPECT_TRUE(client::IsBroken(told)) << told;
+    EXPECT_EQ(base::ErrorReason(told), "CONNECTION_LOST");
+    EXPECT_THAT(std::string(told.message()), ::testing::HasSubstr("mill:7410"));
+    EXPECT_THAT(std::string(told.message()), ::testing::HasSubstr("repeat the call"));
+  }
+  for (const grpc::Status& status :
+       {grpc::Status(grpc::StatusCode::UNKNOWN, "else"), grpc::Status(grpc::StatusCode::CANCELLED, "by the caller"),
+        grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "Received RST_STREAM with error code 11")}) {
+    EXPECT_EQ(base::ErrorReason(connection.FromGrpc(status)), "") << status.error_message();
+  }
+}
+
+// Whoever watches a job goes on when the server is there again, and hears why where it does not come.
+TEST_F(Process, AWatchWhoseServerWasKilledSaysSo) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client =
+      client::Client::Connect(server->address(), {.give_up_after = std::chrono::milliseconds(500)});
+  ASSERT_OK(client);
+  const auto job = client->CreateJob(StoreMuchToIdentifyFrom(*client));
+  ASSERT_OK(job);
+  bool was_killed = false;
+  const auto ended = client->WatchJob(job->id, [&](const client::JobRecord&) {
+    if (!std::exchange(was_killed, true)) {
+      server->Signal(SIGKILL);
+      server->Wait();
+    }
+    return true;
+  });
+  EXPECT_TRUE(was_killed);
+  EXPECT_TRUE(absl::IsUnavailable(ended.status())) << ended.status();
+  EXPECT_EQ(base::ErrorReason(ended.status()), "CONNECTION_LOST");
 }
 
 TEST_F(Process, TheLineOfACallHasItsRequest) {

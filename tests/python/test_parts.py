@@ -8,11 +8,12 @@ import sys
 import unittest
 from unittest import mock
 
+import grpc
 import numpy as np
 import pandas as pd
 
 import axiscal
-from axiscal import reports
+from axiscal import errors, reports
 from axiscal._connection import Connection
 from axiscal._crc32c import crc32c
 from axiscal._options import Options
@@ -139,6 +140,35 @@ class OptionsAndAddresses(unittest.TestCase):
             with self.assertRaises(axiscal.Unavailable) as caught:
                 client.server_info()
             self.assertEqual(caught.exception.reason, "NO_CONNECTION")
+
+
+class Ended(grpc.RpcError):
+    """A call that ended without the service's details."""
+
+    def __init__(self, code, details):
+        self._code, self._details = code, details
+
+    def code(self):
+        return self._code
+
+    def details(self):
+        return self._details
+
+    def trailing_metadata(self):
+        return ()
+
+
+class BrokenConnections(unittest.TestCase):
+    def test_what_to_do_is_said(self):
+        for code, details in ((grpc.StatusCode.UNKNOWN, "Stream removed"), (grpc.StatusCode.UNAVAILABLE, "Socket closed"),
+                              (grpc.StatusCode.CANCELLED, "Received RST_STREAM with error code 8")):
+            error = errors.from_grpc(Ended(code, details))
+            self.assertIsInstance(error, axiscal.Unavailable)
+            self.assertEqual(error.reason, "CONNECTION_LOST")
+            self.assertRegex(str(error), "repeat the call")
+        for code, details in ((grpc.StatusCode.UNKNOWN, "else"), (grpc.StatusCode.CANCELLED, "by the caller"),
+                              (grpc.StatusCode.RESOURCE_EXHAUSTED, "Received RST_STREAM with error code 11")):
+            self.assertEqual(errors.from_grpc(Ended(code, details)).reason, "")
 
 
 class Frames(unittest.TestCase):

@@ -78,7 +78,7 @@ class Unauthenticated(Error):
 
 
 class Unavailable(Error, ConnectionError):
-    """The server is not there (reason NO_CONNECTION), stops, or its store is busy: come again later."""
+    """The server is not there (reason NO_CONNECTION), went away (CONNECTION_LOST), stops, or its store is busy: come again later."""
     code = "UNAVAILABLE"
 
 
@@ -123,6 +123,11 @@ def _details_class(name: str) -> Any:
     return message_factory.MessageFactory(pool).GetPrototype(descriptor)
 
 
+def _is_of_connection(code: str, message: str) -> bool:
+    """gRPC says so, or a proxy: the service sends details with each error. A stream whose server was killed ends as UNKNOWN "Stream removed"."""
+    return code == "UNAVAILABLE" or message == "Stream removed" or (message.startswith("Received RST_STREAM") and code != "RESOURCE_EXHAUSTED")
+
+
 def from_grpc(error: grpc.RpcError) -> Error:
     """What a failed call says of itself, with the details that the server sent."""
     code = error.code().name
@@ -130,6 +135,10 @@ def from_grpc(error: grpc.RpcError) -> Error:
     trailing: List[Tuple[str, Any]] = list(error.trailing_metadata() or ())
     packed = next((value for key, value in trailing if key == "grpc-status-details-bin"), None)
     reason, facts, fields, retry_after_s = "", {}, [], None
+    if packed is None and _is_of_connection(code, message):
+        text = (f"the connection broke off ({message}): the server ended, or the network did. What it had acknowledged is kept; repeat the call when it "
+                "answers again, or at another replica of it")
+        return make("UNAVAILABLE", text, "CONNECTION_LOST")
     if packed is not None:
         status = _details_class("google.rpc.Status").FromString(packed)
         message = status.message or message
