@@ -59,7 +59,6 @@ class JobRunner::Impl {
   void Keep();
   base::SteadyTime ClaimAll();
   bool BeginClaim();
-  bool HasWork();
   absl::StatusOr<std::optional<JobRecord>> ClaimOne();
   void EndClaim();
   void Launch(const JobRecord& record);
@@ -186,13 +185,6 @@ bool JobRunner::Impl::BeginClaim() {
   return claiming_;
 }
 
-// Where others claim, too, most of what wakes this one is theirs already: to look costs less than to write.
-bool JobRunner::Impl::HasWork() {
-  if (!database_.is_shared()) return true;
-  const absl::StatusOr<std::optional<std::chrono::microseconds>> next = database_.NextJobWait();
-  return next.ok() && next->has_value() && (*next)->count() == 0;
-}
-
 void JobRunner::Impl::EndClaim() {
   {
     const base::MutexLock lock(mutex_);
@@ -216,7 +208,7 @@ absl::StatusOr<std::optional<JobRecord>> JobRunner::Impl::ClaimOne() {
 base::SteadyTime JobRunner::Impl::ClaimAll() {
   const base::SteadyTime later = options_.clock->SteadyNow() + options_.heartbeat;
   while (BeginClaim()) {
-    const absl::StatusOr<std::optional<JobRecord>> claimed = HasWork() ? ClaimOne() : std::nullopt;
+    const absl::StatusOr<std::optional<JobRecord>> claimed = ClaimOne();
     EndClaim();
     if (!claimed.ok()) return later;
     if (claimed->has_value()) continue;

@@ -29,6 +29,9 @@ class Engine {
   virtual ~Engine() = default;
 
   virtual absl::StatusOr<std::unique_ptr<Connection>> OpenReader() = 0;
+  // One whose transactions that write do not wait for those of the store's writer, nor it for them: for statements that
+  // lock the rows they change. Nothing where an engine has one writer only. Once others were let in.
+  virtual absl::StatusOr<std::unique_ptr<Connection>> OpenBesideWriter() { return nullptr; }
   // RESOURCE_EXHAUSTED DISK_LOW where room is so low that what grows is refused.
   virtual absl::Status CheckRoom() const = 0;
   // Between groups of writes, on the writer's thread.

@@ -131,6 +131,8 @@ absl::Status FailLate(Connection& connection, const Moment& now, std::vector<Job
     }
   }
   for (const JobId id : late) {
+    ASSIGN_OR_RETURN(const bool waits, HoldWaiting(connection, id));
+    if (!waits) continue;
     ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
     RETURN_IF_ERROR(Fail(connection, now, job, CheckInTime(now, job)));
     ASSIGN_OR_RETURN(changed.emplace_back(), GetJob(connection, id));
@@ -146,6 +148,7 @@ namespace {
 struct Turn {
   int64_t priority = 0;  // negative: the highest comes first
   int64_t running = 0, last_turn = 0, job = 0;
+  std::string whose;
 
   auto operator<=>(const Turn&) const = default;
 };
@@ -160,50 +163,66 @@ constexpr char kTurns[] = R"(WITH RECURSIVE who (name) AS (
 SELECT w.name, j.id, j.priority, (SELECT count(*) FROM job WHERE created_by = w.name AND state = 2),
   coalesce((SELECT turn FROM job_turn WHERE created_by = w.name), 0)
 FROM (SELECT name, (SELECT id FROM job INDEXED BY job_waiting_of WHERE state = 1 AND created_by = who.name AND
-    waits_from_up_us + wait_us <= ?1 ORDER BY priority DESC, id LIMIT 1) AS next FROM who WHERE name IS NOT NULL) AS w
+    (wait_us = 0 OR waits_from_up_us + wait_us <= ?1) ORDER BY priority DESC, id LIMIT 1) AS next
+  FROM who WHERE name IS NOT NULL) AS w
 CROSS JOIN job AS j ON j.id = w.next)";
 
-absl::StatusOr<std::optional<JobId>> NextJob(Connection& connection, const Moment& now) {
-  std::optional<Turn> best;
-  std::string whose;
-  {
-    ASSIGN_OR_RETURN(Statement row, connection.Ask(kTurns, now.up_us));
-    while (true) {
-      ASSIGN_OR_RETURN(const bool more, row.Step());
-      if (!more) break;
-      const Turn turn = {-row.Int(2), row.Int(3), row.Int(4), row.Int(1)};
-      if (best.has_value() && *best < turn) continue;
-      best = turn;
-      whose = row.Text(0);
-    }
+// Who may have the next turn, in this order: by what is committed at this moment.
+absl::StatusOr<std::vector<Turn>> NextTurns(Connection& connection, const Moment& now) {
+  std::vector<Turn> turns;
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(kTurns, now.up_us));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    turns.push_back({-row.Int(2), row.Int(3), row.Int(4), row.Int(1), row.Text(0)});
   }
-  if (!best.has_value()) return std::nullopt;
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO job_turn (created_by, turn) VALUES (?1, (SELECT coalesce(max(turn), 0) + 1 FROM "
-                     "job_turn)) ON CONFLICT "
-                     "(created_by) DO UPDATE SET turn = excluded.turn",
-                     whose));
-  return JobId(best->job);
+  std::sort(turns.begin(), turns.end());
+  return turns;
+}
+
+// The first waiting job of `whose` that no other one is claiming or ending at this moment, now RUNNING.
+absl::StatusOr<std::optional<JobId>> TakeFirstOf(Connection& connection, const std::string& whose,
+                                                 const JobOwner& owner, std::chrono::microseconds lease) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask(
+          "UPDATE job SET state = 2, attempt = attempt + 1, owner = ?3, lease_token = lease_token + 1, "
+          "lease_until_steady_us = ?4, started_at_utc_us = ?5, ended_at_utc_us = NULL, progress_stage = '', "
+          "progress_fraction = 0.0, progress_detail = '', version = version + 1 WHERE id = (SELECT id FROM job INDEXED "
+          "BY job_waiting_of WHERE state = 1 AND created_by = ?1 AND (wait_us = 0 OR waits_from_up_us + wait_us <= ?2) "
+          "ORDER BY "
+          "priority DESC, id LIMIT 1 /*! FOR UPDATE SKIP LOCKED */) RETURNING id",
+          whose, owner.now.up_us, owner.id, LeaseEndUs(owner, lease), owner.now.utc));
+  ASSIGN_OR_RETURN(const bool is_taken, row.Step());
+  if (!is_taken) return std::nullopt;
+  const JobId id(row.Int(0));
+  RETURN_IF_ERROR(row.Step().status());
+  return id;
+}
+
+// Behind the job: whoever waits for the row of a turn holds none that others wait for.
+absl::Status NoteTurn(Connection& connection, const std::string& whose) {
+  return connection.Run(
+      "INSERT INTO job_turn (created_by, turn) VALUES (?1, (SELECT coalesce(max(turn), 0) + 1 FROM job_turn)) ON "
+      "CONFLICT (created_by) DO UPDATE SET turn = excluded.turn",
+      whose);
 }
 
 // The next waiting job, now RUNNING.
 absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const JobOwner& owner,
                                                    std::chrono::microseconds lease) {
-  ASSIGN_OR_RETURN(const std::optional<JobId> next, NextJob(connection, owner.now));
-  if (!next.has_value()) return std::nullopt;
-  const JobId id = *next;
-  RETURN_IF_ERROR(
-      connection.Run("UPDATE job SET state = 2, attempt = attempt + 1, owner = ?2, lease_token = lease_token + 1, "
-                     "lease_until_steady_us = ?3, "
-                     "started_at_utc_us = ?4, ended_at_utc_us = NULL, progress_stage = '', progress_fraction = 0.0, "
-                     "progress_detail = '', "
-                     "version = version + 1 WHERE id = ?1",
-                     id, owner.id, LeaseEndUs(owner, lease), owner.now.utc));
-  ASSIGN_OR_RETURN(JobRecord job, GetJob(connection, id));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
-      id, job.running_attempt, job.attempt, owner.id, owner.now.utc));
-  return job;
+  ASSIGN_OR_RETURN(const std::vector<Turn> turns, NextTurns(connection, owner.now));
+  for (const Turn& turn : turns) {
+    ASSIGN_OR_RETURN(const std::optional<JobId> id, TakeFirstOf(connection, turn.whose, owner, lease));
+    if (!id.has_value()) continue;
+    ASSIGN_OR_RETURN(JobRecord job, GetJob(connection, *id));
+    RETURN_IF_ERROR(connection.Run(
+        "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
+        *id, job.running_attempt, job.attempt, owner.id, owner.now.utc));
+    RETURN_IF_ERROR(NoteTurn(connection, turn.whose));
+    return job;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -225,7 +244,14 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
 }
 
 absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection& connection, const Moment& now) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT min(waits_from_up_us + wait_us) FROM job WHERE state = 1"));
+  // Asked often, and however many wait: one that waits for nothing but its turn may be claimed now.
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask(
+          "SELECT coalesce((SELECT 0 FROM job INDEXED BY job_waiting WHERE state = 1 AND wait_us = 0 ORDER "
+          "BY priority DESC, id LIMIT 1), (SELECT waits_from_up_us + wait_us FROM job INDEXED BY job_delayed "
+          "WHERE state = 1 AND wait_us > 0 AND waits_from_up_us + wait_us > 0 ORDER BY waits_from_up_us + wait_us "
+          "LIMIT 1))"));
   RETURN_IF_ERROR(row.Step().status());
   if (row.IsNull(0)) return std::nullopt;
   return std::chrono::microseconds(std::max<int64_t>(row.Int(0) - now.up_us, 0));

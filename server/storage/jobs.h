@@ -33,6 +33,9 @@ absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
 absl::Status LinkProgram(Connection& connection, JobId job, ProgramId program);
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request,
                                          const Visible& visible);
+// Whether it waits. Then nobody claims it before the end of the transaction: a claim is the one write that does not
+// wait for the others (SqlStore::ClaimJob()).
+absl::StatusOr<bool> HoldWaiting(Connection& connection, JobId id);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);
 absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, const JobRoom& room,
                                      const Caller& caller);

@@ -308,6 +308,20 @@ TEST_F(Jobs, RetriesWaitAndParkedAttemptsDoNotCount) {
   EXPECT_EQ(database->GetJob(id)->state, JobState::kRunning);
 }
 
+// Of jobs that wait for another attempt the first one; none of them where another waits for nothing but its turn.
+TEST_F(Jobs, WhenTheNextOneMayBeClaimedIsTold) {
+  for (const char* const id : {"a", "b"}) ASSERT_TRUE(database->CreateJob(Job(id), 10).ok());
+  EXPECT_EQ(**database->NextJobWait(), seconds(0));
+  ASSERT_TRUE(database->EndJob(ClaimOf(Claim()), JobEnd::kRetry, Error(), seconds(9)).ok());
+  EXPECT_EQ(**database->NextJobWait(), seconds(0));
+  ASSERT_TRUE(database->EndJob(ClaimOf(Claim()), JobEnd::kRetry, Error(), seconds(5)).ok());
+  EXPECT_EQ(**database->NextJobWait(), seconds(5));
+  database.clock.Advance(seconds(7));
+  EXPECT_EQ(**database->NextJobWait(), seconds(0));
+  EXPECT_EQ(Claim().attempt, 2);
+  EXPECT_EQ(**database->NextJobWait(), seconds(2));
+}
+
 TEST_F(Jobs, AWallClockSetBackMakesNoJobWait) {
   ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
   database.clock.SetUtc(database.clock.UtcNow() - std::chrono::hours(48));

@@ -338,10 +338,10 @@ absl::Status PostgresConnection::Begin(Access access) {
   was_undone_ = owes_release_ = false;
   // Each statement behind the lock sees all that was committed before it: the writers of all processes are as serial as
   // those of one, and what they number is seen in the order of its numbers.
-  const std::string write = hold_ == Hold::kAlone ? "BEGIN"
-                                                  : absl::StrCat("BEGIN; SET LOCAL lock_timeout = '", kWriteWait,
-                                                                 "'; SELECT pg_advisory_xact_lock(", kWriteLock,
-                                                                 "); SET LOCAL lock_timeout = '", kLockWait, "'");
+  const std::string write = hold_ != Hold::kShared ? "BEGIN"
+                                                   : absl::StrCat("BEGIN; SET LOCAL lock_timeout = '", kWriteWait,
+                                                                  "'; SELECT pg_advisory_xact_lock(", kWriteLock,
+                                                                  "); SET LOCAL lock_timeout = '", kLockWait, "'");
   const std::string sql = access == Access::kWrite ? write : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
   absl::Status begun = absl::OkStatus();
   if (PQstatus(connection_) == CONNECTION_OK && is_settled_) begun = Execute(sql);

@@ -28,6 +28,7 @@ pg_conn* ConnectToPostgres(const std::string& url);
 enum class Hold {
   kAlone,   // nobody else has it for as long as this one lives
   kShared,  // others of this kind have it, too; each transaction that writes waits until those of all others are over
+  kBeside,  // another one that this process has open as kShared, and let others in; its transactions wait for nobody's
 };
 
 class PostgresConnection final : public Connection {
@@ -52,7 +53,7 @@ class PostgresConnection final : public Connection {
   bool in_transaction() const override;
   int64_t changed_rows() const override { return changed_rows_; }
   bool was_undone() const override { return was_undone_; }
-  bool has_others() const override { return hold_ == Hold::kShared && !is_alone_; }
+  bool has_others() const override { return hold_ != Hold::kAlone && !is_alone_; }
   absl::Status LetOthersIn() override;
   absl::Status Tell(const std::string& what) override;
 

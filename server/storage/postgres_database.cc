@@ -25,6 +25,13 @@ class PostgresEngine final : public Engine {
     connection->CheckAfterReconnect(CheckStillRuns);
     return connection;
   }
+  absl::StatusOr<std::unique_ptr<Connection>> OpenBesideWriter() override {
+    ASSIGN_OR_RETURN(std::unique_ptr<PostgresConnection> connection,
+                     PostgresConnection::Open(url_, Access::kWrite, Hold::kBeside));
+    RETURN_IF_ERROR(CheckStillRuns(*connection));
+    connection->CheckAfterReconnect(CheckStillRuns);
+    return connection;
+  }
   // Its disk is the server's business; a full one is DISK_FULL.
   absl::Status CheckRoom() const override { return absl::OkStatus(); }
   void Between() override {}

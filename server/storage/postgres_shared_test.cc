@@ -131,6 +131,62 @@ TEST_F(PostgresShared, AJobIsClaimedOnce) {
   EXPECT_EQ(all.size(), static_cast<size_t>(kJobs));
 }
 
+// Uploads and all else that is written wait for each other; a claim waits for none of them.
+TEST_F(PostgresShared, AClaimWaitsForNoOtherWriter) {
+  ASSERT_TRUE(b().CreateJob(Job("a"), 10).ok());
+  const std::unique_ptr<Connection> outside = a_->Beside();
+  // As one that writes has it until it commits.
+  ASSERT_TRUE(outside->Execute("BEGIN; SELECT pg_advisory_xact_lock(x'41786977'::bigint)").ok());
+  const JobRecord claimed = ClaimAtA();
+  ASSERT_TRUE(outside->Execute("COMMIT").ok());
+  EXPECT_TRUE(a().SucceedJob(ClaimOf(claimed), {"done", {}, {}}).ok());
+}
+
+TEST_F(PostgresShared, WhatAnotherOneIsClaimingIsPassedOver) {
+  const JobId first = b().CreateJob(Job("a"), 10)->id, second = b().CreateJob(Job("b"), 10)->id;
+  const std::unique_ptr<Connection> outside = a_->Beside();
+  ASSERT_TRUE(
+      outside->Execute(absl::StrCat("BEGIN; SELECT 1 FROM job WHERE id = ", first.number(), " FOR UPDATE")).ok());
+  EXPECT_EQ(ClaimAtA().id, second);
+  const auto none = a().ClaimJob(kLease);
+  EXPECT_TRUE(none.ok() && !none->has_value()) << none.status();
+  ASSERT_TRUE(outside->Execute("ROLLBACK").ok());
+  EXPECT_EQ(ClaimAtA().id, first);
+}
+
+// A claim does not wait for those who end what waits: they wait for it, and find a job that runs.
+TEST_F(PostgresShared, WhoeverEndsAJobThatIsBeingClaimedFindsItRunning) {
+  NewJob late = Job("a");
+  late.deadline = clock_.UtcNow() + seconds(1);
+  const JobId id = b().CreateJob(late, 10)->id;
+  clock_.Advance(seconds(2));
+  const std::unique_ptr<Connection> outside = a_->Beside(), looks = a_->Beside();
+  const auto count_waiting = [&] {
+    auto row = looks->Ask("SELECT count(*) FROM pg_locks WHERE NOT granted");
+    DEMAND(row.ok() && row->Step().ok());
+    return row->Int(0);
+  };
+  const auto claim_meanwhile = [&](const auto& ends) {
+    ASSERT_TRUE(outside
+                    ->Execute(absl::StrCat("BEGIN; UPDATE job SET state = 2, owner = 'another', lease_token = 1, "
+                                           "lease_until_steady_us = ",
+                                           int64_t{1} << 60, " WHERE id = ", id.number()))
+                    .ok());
+    auto ended = std::async(std::launch::async, ends);
+    while (count_waiting() == 0) std::this_thread::yield();
+    ASSERT_TRUE(outside->Execute("COMMIT").ok());
+    ended.get();
+    EXPECT_EQ(a().GetJob(id)->state, JobState::kRunning);
+    ASSERT_TRUE(outside->Execute("UPDATE job SET state = 1, owner = NULL, lease_until_steady_us = NULL").ok());
+  };
+  claim_meanwhile([&] { EXPECT_TRUE(b().RescueJobs()->empty()); });
+  claim_meanwhile([&] {
+    const auto cancelled = b().CancelJob(id, Cell(""));
+    EXPECT_TRUE(cancelled.ok() && cancelled->cancel_requested) << cancelled.status();
+  });
+  EXPECT_TRUE(a().GetJob(id)->cancel_requested);
+}
+
 // One that has begun and says nothing more is taken over when its lease is over and not before, by the time that both
 // count together; what it says then is refused.
 TEST_F(PostgresShared, AJobIsTakenOverWhenItsLeaseIsOver) {

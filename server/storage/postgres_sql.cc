@@ -20,6 +20,8 @@ class Rewriter {
         Quoted(c);
       } else if (c == '?') {
         Parameter();
+      } else if (Skip("/*!") || Skip("*/")) {
+        continue;
       } else if (c == '+' && at_ + 1 < sql_.size() && IsLetter(sql_[at_ + 1])) {
         ++at_;
       } else if (IsLetter(c)) {

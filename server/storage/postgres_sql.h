@@ -6,6 +6,7 @@
 //   +a.name                  a.name: "not by its index" is a hint, too; a sum has blanks on both sides
 //   sqlite_sequence          given_number: the last number of what is numbered without gaps
 //   json_each(?5)            the numbers of a JSON list, each as a row with the column `value`
+//   /*! text */              text: what several that write at a time have to say, and SQLite's one writer has not
 #ifndef AXISCAL_SERVER_STORAGE_POSTGRES_SQL_H_
 #define AXISCAL_SERVER_STORAGE_POSTGRES_SQL_H_
 

@@ -27,6 +27,11 @@ TEST(PostgresSqlTexts, AListOfNumbersIsATable) {
             "value) AS json_each) AND x = $2");
 }
 
+TEST(PostgresSqlTexts, WhatIsForSeveralWritersAlone) {
+  EXPECT_EQ(ToPostgres("SELECT count(*) / 2 FROM job WHERE id = ?3 LIMIT 1 /*! FOR UPDATE SKIP LOCKED */").text,
+            "SELECT count(*) / 2 FROM job WHERE id = $1 LIMIT 1  FOR UPDATE SKIP LOCKED ");
+}
+
 TEST(PostgresSqlTexts, WhatStandsInQuotesStays) {
   EXPECT_EQ(ToPostgres("SELECT 'is it ?1 +x, ''CROSS JOIN''?', \"+y\" WHERE a = ?1").text,
             "SELECT 'is it ?1 +x, ''CROSS JOIN''?', \"+y\" WHERE a = $1");

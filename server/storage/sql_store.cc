@@ -6,6 +6,7 @@
 #include "core/session/checksum.h"
 #include "server/storage/refusal.h"
 #include "server/storage/seal.h"
+#include "server/storage/transaction.h"
 
 namespace axiscal::storage {
 namespace {
@@ -119,6 +120,32 @@ void SqlStore::TellOthers(const std::optional<MachineId>& machine) {
   if (!engine_->is_shared()) return;
   const std::string word = machine ? kLookAt + machine->text() : kRoutinesChanged;
   writer_.Start([word](Connection& c) { return c.Tell(word); }, [](const absl::Status&) {});
+}
+
+// Of a claim nobody outside hears who would rely on it, so its commit waits for no disk: where it is lost with the
+// server, the job waits as before, and what its worker says has no lease. The end of the job waits for the disk, and
+// takes the claim with it. Nobody is told either: what is told is told by one commit at a time.
+absl::StatusOr<std::optional<JobRecord>> SqlStore::ClaimJob(std::chrono::microseconds lease) {
+  using Claimed = std::optional<JobRecord>;
+  if (!engine_->is_shared()) {
+    const auto claim = [&](Connection& c) { return storage::ClaimJob(c, Owner(c), lease); };
+    return Write<Claimed>(Growth::kStays, claim, Writer::Durable::kSoon);
+  }
+  const base::MutexLock lock(claims_mutex_);
+  if (claims_ == nullptr) {
+    ASSIGN_OR_RETURN(claims_, engine_->OpenBesideWriter());
+  }
+  absl::StatusOr<Claimed> claimed = ClaimBeside(lease);
+  for (int runs = 1; !claimed.ok() && claims_->was_undone() && runs < Writer::kMostRuns; ++runs)
+    claimed = ClaimBeside(lease);
+  return claimed;
+}
+
+absl::StatusOr<std::optional<JobRecord>> SqlStore::ClaimBeside(std::chrono::microseconds lease) {
+  ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(*claims_));
+  ASSIGN_OR_RETURN(std::optional<JobRecord> job, storage::ClaimJob(*claims_, Owner(*claims_), lease));
+  RETURN_IF_ERROR(transaction.CommitSoon());
+  return job;
 }
 
 absl::Status SqlStore::CheckWhole(const SessionRecord& session) {

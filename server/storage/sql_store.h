@@ -142,16 +142,7 @@ class SqlStore final : public Database {
                                            const Visible& visible) override {
     return readers_.Run([&](Connection& c) { return storage::ListJobs(c, filter, page, visible); });
   }
-  absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override {
-    // Of a claim nobody outside hears who would rely on it: where it is lost with the server, the job waits as before,
-    // and what its worker says has no lease. The end of the job waits for the disk, and takes the claim with it.
-    const auto claim = [&](Connection& c) -> absl::StatusOr<std::optional<JobRecord>> {
-      auto job = storage::ClaimJob(c, Owner(c), lease);
-      if (!job.ok() || !job->has_value()) return job;
-      return Told(c, kJobsChanged, std::move(job));
-    };
-    return Write<std::optional<JobRecord>>(Growth::kStays, claim, Writer::Durable::kSoon);
-  }
+  absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override;
   absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
     return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
   }
@@ -578,6 +569,8 @@ class SqlStore final : public Database {
       return storage::RescueJobs(c, Owner(c));
     });
   }
+  // On the connection for claims, which is there.
+  absl::StatusOr<std::optional<JobRecord>> ClaimBeside(std::chrono::microseconds lease) AXISCAL_REQUIRES(claims_mutex_);
   JobOwner Owner(const Connection& connection) const {
     const auto steady = options_.clock->SteadyNow().time_since_epoch();
     const Moment now = Present();
@@ -664,6 +657,9 @@ class SqlStore final : public Database {
   base::Mutex specs_mutex_;
   // Of recent sessions; they never change.
   std::unordered_map<SessionId, SharedSpecs> specs_ AXISCAL_GUARDED_BY(specs_mutex_);
+  base::Mutex claims_mutex_;
+  // Of a store that is shared, from the first claim on.
+  std::unique_ptr<Connection> claims_ AXISCAL_GUARDED_BY(claims_mutex_);
   static constexpr size_t kMaxTold = 1000;
   base::Mutex told_mutex_;
   std::set<std::string> told_ AXISCAL_GUARDED_BY(told_mutex_);

@@ -34,6 +34,9 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  // How often a group is run that is undone for another's sake: more than once in a row is rare.
+  static constexpr int kMostRuns = 4;
+
   // kNow: durable when it is told as done. kSoon: shortly after (Connection::CommitSoon()), for what nobody is
   // promised.
   enum class Durable { kNow, kSoon };
@@ -50,8 +53,6 @@ class Writer {
   };
   static constexpr size_t kMaxWaiting = 256;
   static constexpr size_t kMaxGroup = 32;
-  // How often a group is run that is undone for another's sake: more than once in a row is rare.
-  static constexpr int kMostRuns = 4;
 
   void Loop();
   std::vector<Task> TakeGroup();
