@@ -1,5 +1,7 @@
 #include "server/jobs/job_outcome.h"
 
+#include <algorithm>
+
 #include "core/base/error_detail.h"
 
 namespace axiscal::jobs {
@@ -48,9 +50,10 @@ JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int atte
   }
   const records::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
   if (!IsWorthRetrying(status.code())) return {JobEnd::kFailed, error, {}};
+  constexpr std::chrono::milliseconds kMostBackoff = std::chrono::minutes(10);
   std::chrono::milliseconds wait = first_backoff;
-  for (int i = 1; i < attempt; ++i) wait *= 4;
-  return {JobEnd::kRetry, error, wait};
+  for (int i = 1; i < attempt && wait < kMostBackoff; ++i) wait *= 4;
+  return {JobEnd::kRetry, error, std::min(wait, kMostBackoff)};
 }
 
 }  // namespace axiscal::jobs

@@ -15,6 +15,7 @@ TEST(JobOutcome, WaitsLongerBeforeEachRetry) {
   EXPECT_EQ(DecideOutcome(status, StopReason::kNone, 1, seconds(5), StorePlace::kHere).end, JobEnd::kRetry);
   EXPECT_EQ(DecideOutcome(status, StopReason::kNone, 1, seconds(5), StorePlace::kHere).retry_after, seconds(5));
   EXPECT_EQ(DecideOutcome(status, StopReason::kNone, 3, seconds(5), StorePlace::kHere).retry_after, seconds(80));
+  EXPECT_EQ(DecideOutcome(status, StopReason::kNone, 1000, seconds(5), StorePlace::kHere).retry_after, seconds(600));
 }
 
 TEST(JobOutcome, DoesNotRepeatWhatWouldFailAgain) {

@@ -29,7 +29,7 @@ namespace axiscal::storage {
 enum class JobEnd {
   kFailed,     // for good
   kCancelled,  // as asked
-  kRetry,      // QUEUED again after `retry_after`; DEAD when the attempts are used up
+  kRetry,      // QUEUED again after `retry_after`; DEAD when max_attempts have ended so
   kParked,     // QUEUED again after `retry_after`, and the attempt not counted: nothing speaks against the job
 };
 
@@ -150,10 +150,10 @@ class Database {
   virtual absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) = 0;
   // FAILED, CANCELLED or DEAD: QUEUED again with all attempts. Others: FAILED_PRECONDITION JOB_NOT_ENDED.
   virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) = 0;
-  // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts; QUEUED ones whose deadline is over
-  // are FAILED. What changed. (Jobs of a dead process are rescued on open, unless another one has the store, too: then
-  // when their lease is over. Attempts of an earlier boot of this machine are not counted: whatever ended it, it took
-  // all with it.)
+  // RUNNING jobs whose lease is over go back to QUEUED, from the third such loss on with a growing wait, or DEAD after
+  // kMostLostAttempts (jobs.h); QUEUED ones whose deadline is over are FAILED. What changed. (Jobs of a dead process
+  // are rescued on open, unless another one has the store, too: then when their lease is over. Attempts of an earlier
+  // boot of this machine are not counted: whatever ended it took all with it.)
   virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
 
   // ---- calibrations

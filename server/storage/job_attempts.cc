@@ -37,12 +37,41 @@ absl::Status EndAttempt(Connection& connection, UtcTime now, JobId id, int64_t l
       id, lease_token, now, outcome, message);
 }
 
+// Of the attempts that `attempt` counts, those whose process died with them.
+absl::StatusOr<int> LostOf(Connection& connection, JobId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT lost FROM job WHERE id = ?1", id));
+  RETURN_IF_ERROR(row.Step().status());
+  return static_cast<int>(row.Int(0));
+}
+
 // What a job becomes when an attempt ends like this.
-JobState NextState(const JobRecord& job, JobEnd end) {
+JobState NextState(const JobRecord& job, int lost, JobEnd end) {
   if (end == JobEnd::kFailed) return JobState::kFailed;
   if (end == JobEnd::kCancelled || job.cancel_requested) return JobState::kCancelled;
   if (end == JobEnd::kParked) return JobState::kQueued;
-  return job.attempt < job.max_attempts ? JobState::kQueued : JobState::kDead;
+  return job.attempt - lost < job.max_attempts && lost < kMostLostAttempts ? JobState::kQueued : JobState::kDead;
+}
+
+// Whoever kills a server twice while a job runs there wants nothing of the job. From the third time on the job may be
+// what ends its process: the others shall get on in between, and those that were lost together shall not begin together
+// again, so that what runs beside such a job does not go with it each time.
+std::chrono::microseconds WaitAfterLoss(JobId id, int lost) {
+  constexpr int kFreeOfWait = 2, kDoubles = 6, kSteps = 1000;
+  constexpr std::chrono::microseconds kFirst = std::chrono::seconds(10);
+  if (lost <= kFreeOfWait) return std::chrono::microseconds(0);
+  const std::chrono::microseconds wait = kFirst * (1 << std::min(lost - kFreeOfWait - 1, kDoubles));
+  // Once to twice that, by the job and the time: any two primes spread them.
+  return wait + wait * ((id.number() * 7919 + lost * 104729) % kSteps) / kSteps;
+}
+
+std::string WhyLost(int attempt, int lost) {
+  const std::string so_far = absl::StrCat("attempt ", attempt, " was not finished: its axiscald ended or stood still, ",
+                                          lost, " of at most ", kMostLostAttempts, " times");
+  if (lost < kMostLostAttempts) return so_far;
+  return so_far +
+         "; it may be this job that ends it (by its memory? the server's log and the kernel's tell): make it smaller, "
+         "or "
+         "run it again with axiscal jobs requeue";
 }
 
 std::string Name(JobEnd end) {
@@ -61,7 +90,8 @@ std::string Name(JobEnd end) {
 
 absl::Status Leave(Connection& connection, const Moment& now, const JobRecord& job, JobEnd end,
                    const std::string& outcome, const JobError& error, std::chrono::microseconds retry_after) {
-  const JobState next = NextState(job, end);
+  ASSIGN_OR_RETURN(const int lost, LostOf(connection, job.id));
+  const JobState next = NextState(job, lost, end);
   const int attempt = end == JobEnd::kParked ? job.attempt - 1 : job.attempt;
   RETURN_IF_ERROR(connection.Run(
       "UPDATE job SET state = ?2, attempt = ?3, owner = NULL, lease_until_steady_us = NULL, waits_from_up_us = ?4, "
@@ -339,12 +369,16 @@ absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const 
   std::vector<JobRecord> rescued;
   for (const auto& [id, whose] : lost) {
     ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
-    const bool is_rebooted = IsOfEarlierBoot(whose, owner.id);
-    const JobError error = {
-        absl::StatusCode::kUnavailable, is_rebooted ? "MACHINE_RESTARTED" : "OWNER_LOST",
-        absl::StrCat("attempt ", job.attempt, " was not finished", is_rebooted ? ": the machine was restarted" : "")};
-    RETURN_IF_ERROR(Leave(connection, owner.now, job, is_rebooted ? JobEnd::kParked : JobEnd::kRetry, "LOST", error,
-                          std::chrono::microseconds(0)));
+    if (IsOfEarlierBoot(whose, owner.id)) {
+      const JobError error = {absl::StatusCode::kUnavailable, "MACHINE_RESTARTED",
+                              absl::StrCat("attempt ", job.attempt, " was not finished: the machine was restarted")};
+      RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kParked, "LOST", error, std::chrono::microseconds(0)));
+    } else {
+      RETURN_IF_ERROR(connection.Run("UPDATE job SET lost = lost + 1 WHERE id = ?1", id));
+      ASSIGN_OR_RETURN(const int times, LostOf(connection, id));
+      const JobError error = {absl::StatusCode::kUnavailable, "OWNER_LOST", WhyLost(job.attempt, times)};
+      RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kRetry, "LOST", error, WaitAfterLoss(id, times)));
+    }
     ASSIGN_OR_RETURN(rescued.emplace_back(), GetJob(connection, id));
   }
   RETURN_IF_ERROR(FailLate(connection, owner.now, rescued));

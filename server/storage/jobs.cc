@@ -281,7 +281,7 @@ absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, 
   }
   RETURN_IF_ERROR(CheckRoom(connection, room, job.created_by, job.machine));
   RETURN_IF_ERROR(connection.Run(
-      "UPDATE job SET state = 1, attempt = 0, cancel_requested = 0, waits_from_up_us = ?2, wait_us = 0, "
+      "UPDATE job SET state = 1, attempt = 0, lost = 0, cancel_requested = 0, waits_from_up_us = ?2, wait_us = 0, "
       "progress_stage = '', progress_fraction = 0.0, progress_detail = '', version = version + 1 WHERE id = ?1",
       id, now.up_us));
   RETURN_IF_ERROR(

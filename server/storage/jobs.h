@@ -14,6 +14,10 @@
 
 namespace axiscal::storage {
 
+// Attempts that may be lost with their process before a job is DEAD: none of them says that the job is at fault, but
+// one that ends its process each time must come to an end.
+inline constexpr int kMostLostAttempts = 10;
+
 // Who runs jobs, and when it is.
 struct JobOwner {
   std::string id;  // new for every opening of the store

@@ -1,3 +1,5 @@
+#include "server/storage/jobs.h"
+
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
@@ -234,17 +236,62 @@ TEST_F(Jobs, AHeartbeatProlongsTheLease) {
   EXPECT_EQ(database->RescueJobs()->size(), 1u);
 }
 
-TEST_F(Jobs, OfADeadProcessGoBackToTheQueueAndDieAfterThree) {
+// Whoever kills servers does not mean the job; one that ends its process each time is DEAD in the end, and others get
+// on meanwhile.
+TEST_F(Jobs, OfADeadProcessGoBackToTheQueueAndDieAfterTen) {
   const JobId id = database->CreateJob(Job("a"), 10)->id;
-  for (const int attempt : {1, 2, 3}) {
+  for (int attempt = 1; attempt <= kMostLostAttempts; ++attempt) {
     EXPECT_EQ(Claim().attempt, attempt);
     database.Close();
     database.Open();
-    EXPECT_EQ(database->GetJob(id)->state, attempt < 3 ? JobState::kQueued : JobState::kDead);
+    EXPECT_EQ(database->GetJob(id)->state, attempt < kMostLostAttempts ? JobState::kQueued : JobState::kDead);
+    if (attempt == kMostLostAttempts) break;
+    const std::chrono::microseconds wait = **database->NextJobWait();
+    if (attempt < 3) {
+      EXPECT_EQ(wait, seconds(0));
+      continue;
+    }
+    EXPECT_GE(wait, seconds(10) * (1 << std::min(attempt - 3, 6)));
+    EXPECT_LE(wait, 2 * seconds(10) * (1 << std::min(attempt - 3, 6)));
+    EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+    database.clock.Advance(wait);
   }
   EXPECT_EQ(database->GetJob(id)->error->reason, "OWNER_LOST");
+  EXPECT_NE(database->GetJob(id)->error->message.find("axiscal jobs requeue"), std::string::npos);
   ASSERT_TRUE(database->RequeueJob(id, 10, Cell("")).ok());
   EXPECT_EQ(Claim().attempt, 1);
+}
+
+// What it has failed in is counted by itself.
+TEST_F(Jobs, AttemptsThatFailedCountBesideThoseThatWereLost) {
+  const JobId id = database->CreateJob(Job("a"), 10)->id;
+  for (const bool is_lost : {true, false, true, false, false}) {
+    const JobRecord running = Claim();
+    if (is_lost) {
+      database.Close();
+      database.Open();
+    } else {
+      ASSERT_TRUE(database->EndJob(ClaimOf(running), JobEnd::kRetry, Error(), seconds(0)).ok());
+    }
+  }
+  EXPECT_EQ(database->GetJob(id)->state, JobState::kDead);
+  EXPECT_EQ(database->GetJob(id)->attempt, 5);
+}
+
+// What ran beside a job that ends its process is not lost with it each time.
+TEST_F(Jobs, ThoseThatWereLostTogetherDoNotBeginTogetherAgain) {
+  std::vector<JobId> ids;
+  for (const char* const id : {"a", "b", "c"}) ids.push_back(database->CreateJob(Job(id), 10)->id);
+  for (int loss = 0; loss < 3; ++loss) {
+    for (size_t i = 0; i < ids.size(); ++i) Claim();
+    database.Close();
+    database.Open();
+  }
+  for (size_t began = 0; began < ids.size(); ++began) {
+    EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+    database.clock.Advance(**database->NextJobWait());
+    Claim();
+  }
 }
 
 // Of a plant whose power fails three times nothing is known against the job; of a process that dies in each attempt it

@@ -140,13 +140,13 @@ struct SessionFilter {
 // ---- jobs
 
 struct NewJob {
-  std::string kind;                  // "identify", "compensate", ...
-  std::optional<MachineId> machine;  // the machine it works on, for lists
-  std::optional<ProgramId> program;  // that it rewrites: whoever sees the machine sees it from then on
-  std::string params;                // what the kind's function needs, opaque
-  std::string input_hash;            // of all inputs and the engine's version; empty: not comparable
-  int priority = 0;                  // larger runs first
-  int max_attempts = 3;
+  std::string kind;                      // "identify", "compensate", ...
+  std::optional<MachineId> machine;      // the machine it works on, for lists
+  std::optional<ProgramId> program;      // that it rewrites: whoever sees the machine sees it from then on
+  std::string params;                    // what the kind's function needs, opaque
+  std::string input_hash;                // of all inputs and the engine's version; empty: not comparable
+  int priority = 0;                      // larger runs first
+  int max_attempts = 3;                  // that fail; those lost with their process are not among them
   std::optional<UtcTime> deadline = {};  // what has not ended by then fails
   Caller caller;
   std::string trace = {};  // traceparent of the call that creates it; empty: none

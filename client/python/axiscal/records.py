@@ -51,7 +51,7 @@ class JobState(enum.Enum):
     SUCCEEDED = "succeeded"
     FAILED = "failed"
     CANCELLED = "cancelled"
-    DEAD = "dead"  # its worker died too often
+    DEAD = "dead"  # failed max_attempts times, or its server died with it ten times
     UNKNOWN = "unknown"
 
     @property
