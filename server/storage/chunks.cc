@@ -16,6 +16,17 @@ absl::Status Damaged(SessionId id, int64_t seq, const std::string& what) {
                      {"CHUNK_DAMAGED", {{"session", std::to_string(id.number())}, {"seq", std::to_string(seq)}}});
 }
 
+// Of a chunk that a session should have.
+absl::Status Missing(Connection& connection, SessionId id, int64_t seq) {
+  ASSIGN_OR_RETURN(const bool is_detached, connection.HasDetached(id));
+  if (!is_detached) return Damaged(id, seq, "missing");
+  return base::Error(absl::StatusCode::kFailedPrecondition,
+                     absl::StrCat("the readings of session ", id.number(),
+                                  " were detached from the database with those of sessions of its time: whoever looks "
+                                  "after it can attach them again (docs/scale.md)"),
+                     {kReadingsDetached, {{"session", std::to_string(id.number())}}});
+}
+
 // The readings of a row, exactly as they were appended.
 absl::StatusOr<records::Chunk> DecodeRow(SessionId id, int64_t seq, const std::vector<ColumnSpec>& specs,
                                          const std::string& content, int64_t crc32c, int64_t reading_count) {
@@ -34,7 +45,7 @@ absl::StatusOr<AppendResult> CheckRepeat(Connection& connection, SessionId id, c
                    connection.Ask("SELECT crc32c, reading_count, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
                                   id, chunk.seq));
   ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return Damaged(id, chunk.seq, "missing");
+  if (!found) return Missing(connection, id, chunk.seq);
   const bool is_same = row.Int(0) == chunk.crc32c && row.Int(1) == chunk.reading_count;
   const std::string content = row.Text(2);
   // Written by another version, equal readings may be other bytes.
@@ -97,7 +108,7 @@ absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, 
                    connection.Ask("SELECT crc32c, reading_count, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
                                   session.id, seq));
   ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return Damaged(session.id, seq, "missing");
+  if (!found) return Missing(connection, session.id, seq);
   return DecodeRow(session.id, seq, session.columns, row.Text(2), row.Int(0), row.Int(1));
 }
 

@@ -12,6 +12,10 @@
 
 namespace axiscal::storage {
 
+// Why the readings of a session are not there though nothing is damaged: FAILED_PRECONDITION, in place of
+// CHUNK_DAMAGED.
+inline constexpr char kReadingsDetached[] = "READINGS_DETACHED";
+
 struct EncodedChunk {
   int64_t seq = 0;
   int64_t reading_count = 0;
@@ -25,6 +29,7 @@ absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& n
                                          const EncodedChunk& chunk);
 
 // Chunk `seq` or nothing after the last one; DATA_LOSS CHUNK_DAMAGED unless it is exactly what was appended.
+// FAILED_PRECONDITION READINGS_DETACHED where it was taken out with its neighbours (Connection::HasDetached()).
 absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,
                                                         int64_t seq);
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "core/base/ids.h"
 #include "server/storage/statement.h"
 
 namespace axiscal::storage {
@@ -69,6 +70,10 @@ class Connection {
   virtual int64_t changed_rows() const = 0;  // by the last INSERT, UPDATE or DELETE
   // The transaction failed for another's sake (a deadlock): nothing of it stands, and the same again may succeed.
   virtual bool was_undone() const { return false; }
+
+  // Whether the chunks of this session were taken out of the store by whoever looks after it, with those of its
+  // neighbours and such that they can come back. Of a file: never.
+  virtual absl::StatusOr<bool> HasDetached(SessionId) { return false; }
 
   // ---- several processes on one store
   // Whether others may have it open at this moment. Of a file: never.

@@ -146,14 +146,38 @@ absl::Status CheckSource(Connection& connection, const std::vector<Migration>& m
   return RefuseUnfinishedCopy(connection);
 }
 
+// FAILED_PRECONDITION COPY_DETACHED: a copy would have sessions without their readings, and no place to put them back.
+absl::Status CheckNothingDetached(Connection& connection) {
+  std::vector<SessionId> first;  // of each table of chunks that sessions should have
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT min(id) FROM session WHERE next_seq > 0 GROUP BY id / 65536 ORDER BY 1"));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      first.push_back(SessionId(row.Int(0)));
+    }
+  }
+  for (const SessionId id : first) {
+    ASSIGN_OR_RETURN(const bool is_detached, connection.HasDetached(id));
+    if (!is_detached) continue;
+    return FailedPrecondition(
+        absl::StrCat("the readings of session ", id.number(),
+                     " and of those of its time were detached: attach them first (docs/scale.md)"),
+        "COPY_DETACHED");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Side> OpenPostgresSide(const std::string& url, bool is_source, base::UtcTime now) {
   Side side;
   side.name = WithoutPassword(url);
   side.is_postgres = true;
   const absl::Status opened = [&]() -> absl::Status {
     ASSIGN_OR_RETURN(side.connection, PostgresConnection::Open(url, Access::kWrite));
-    return is_source ? CheckSource(*side.connection, PostgresMigrations())
-                     : MigratePostgres(*side.connection, PostgresMigrations(), now);
+    if (!is_source) return MigratePostgres(*side.connection, PostgresMigrations(), now);
+    RETURN_IF_ERROR(CheckSource(*side.connection, PostgresMigrations()));
+    return CheckNothingDetached(*side.connection);
   }();
   if (!opened.ok()) return base::Within(side.name, opened);
   return side;

@@ -53,6 +53,7 @@ class PostgresConnection final : public Connection {
   bool in_transaction() const override;
   int64_t changed_rows() const override { return changed_rows_; }
   bool was_undone() const override { return was_undone_; }
+  absl::StatusOr<bool> HasDetached(SessionId id) override;
   bool has_others() const override { return hold_ != Hold::kAlone && !is_alone_; }
   absl::Status LetOthersIn() override;
   absl::Status Tell(const std::string& what) override;

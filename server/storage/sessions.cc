@@ -373,6 +373,9 @@ absl::StatusOr<ExpiredReadings> ExpireReadings(Connection& connection, const Mom
   for (const SessionId id : old) {
     ASSIGN_OR_RETURN(const bool is_needed, IsNeeded(connection, id));
     if (is_needed) continue;
+    // What was detached leaves as a whole, or comes back as it was.
+    ASSIGN_OR_RETURN(const bool is_detached, connection.HasDetached(id));
+    if (is_detached) continue;
     std::string was;
     {
       ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT reading_count, hash FROM session WHERE id = ?1", id));

@@ -1,0 +1,1 @@
+-- Of PostgreSQL alone, which keeps the chunks of each 65,536 sessions in a table of their own.
