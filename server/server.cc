@@ -546,12 +546,15 @@ class Server::Impl {
       if (stop_housekeeper_) return;
       housekeeper_mutex_.Unlock();
       const std::set<std::string> peers = strangers.TooMany();
-      const int count =
-          peers.empty() ? 0 : EndConnections(port_, 0, [&](const std::string& peer) { return peers.contains(peer); });
+      const int count = peers.empty() ? 0 : EndConnections(port_, 0, [&](const std::string& peer) {
+        return peers.contains(peer) && !core_.known.Has(peer);  // he may have called since
+      });
       if (count > 0 && core_.told_refusals.Take("strangers").ok()) {
         Log(LogLevel::kWarning, "strangers",
             {{"connections", absl::StrCat(count)},
-             {"text", "more connections than are allowed had shown no identity: the first of them were ended"}});
+             {"text",
+              "more connections than are allowed had shown no identity: the first of the host that has most were "
+              "ended"}});
       }
       housekeeper_mutex_.Lock();
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/access/crowd.h"
+#include "server/access/forwarded.h"
 #include "server/listener.h"
 
 namespace axiscal::server {
@@ -16,12 +18,13 @@ std::set<std::string> Strangers::TooMany() {
     present[peer] = before == strangers_.end() ? looks_ : before->second;
   }
   strangers_ = std::move(present);
-  std::set<std::string> ended;
-  if (strangers_.size() <= most_) return ended;
   std::vector<std::pair<int64_t, std::string>> by_look;
   for (const auto& [peer, look] : strangers_) by_look.emplace_back(look, peer);
   std::sort(by_look.begin(), by_look.end());
-  for (size_t i = 0; i + most_ < by_look.size(); ++i) ended.insert(by_look[i].second);
+  std::vector<std::string> hosts;
+  for (const auto& [look, peer] : by_look) hosts.push_back(access::PeerHost(peer));
+  std::set<std::string> ended;
+  for (const size_t place : access::BeyondTheMost(hosts, most_)) ended.insert(by_look[place].second);
   return ended;
 }
 

@@ -19,8 +19,8 @@ class Strangers {
   Strangers(int port, size_t most, std::function<bool(const std::string& peer)> is_known)
       : port_(port), most_(most), is_known_(std::move(is_known)) {}
 
-  // The peers whose connections are to be ended: those beyond `most` that came first, as far as one look tells it from
-  // the other. By one thread.
+  // The peers whose connections are to be ended (access::BeyondTheMost), the order of coming as far as one look tells
+  // it from the other. By one thread.
   std::set<std::string> TooMany();
 
  private:

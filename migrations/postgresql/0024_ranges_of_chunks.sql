@@ -21,9 +21,10 @@ CREATE TRIGGER chunk_is_never_changed BEFORE UPDATE ON chunk FOR EACH ROW EXECUT
 CREATE TRIGGER chunk_is_never_emptied BEFORE TRUNCATE ON chunk EXECUTE FUNCTION refuse('a chunk is never changed');
 CREATE TRIGGER complete_session_keeps_its_chunks BEFORE DELETE ON chunk FOR EACH ROW EXECUTE FUNCTION keep_chunks();
 
--- What is there becomes the range of its newest session, and reaches down to the first: nothing is copied.
+-- What is there becomes the range of the newest session, and reaches down to the first: nothing is copied. A session
+-- that has no chunk yet has its range, too.
 DO $$ DECLARE
-  newest BIGINT := (SELECT max(session_id) / 65536 FROM chunk_before);
+  newest BIGINT := (SELECT max(id) / 65536 FROM session);
 BEGIN
   IF newest IS NULL THEN
     DROP TABLE chunk_before;

@@ -200,6 +200,7 @@ Connection::Connection(ConnectionContext& context, Socket socket, std::shared_pt
       tls_context_(std::move(tls)),
       deadline_(strand_),
       signal_(strand_),
+      address_(peer.address),
       peer_(std::move(peer)) {
   if (tls_context_ != nullptr) tls_.emplace(socket_, *tls_context_);
 }

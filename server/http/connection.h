@@ -48,6 +48,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   void Close();
   // Whether a request over it has shown who calls. From any thread, as Start() and Close().
   bool is_known() const { return is_known_; }
+  const std::string& address() const { return address_; }  // of the peer, as gRPC writes it
 
  private:
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
@@ -80,6 +81,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   asio::steady_timer deadline_;  // closes the connection
   asio::steady_timer signal_;    // something below has changed
   boost::beast::flat_buffer buffer_;
+  const std::string address_;
   Peer peer_;
   std::atomic<bool> is_known_ = false;
   bool is_watching_ = false, has_left_ = false;

@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "server/access/crowd.h"
+#include "server/access/forwarded.h"
 #include "server/http/connection.h"
 
 namespace axiscal::http {
@@ -128,16 +130,18 @@ class HttpServer::Impl {
   }
 
   void CloseFirstStranger() AXISCAL_REQUIRES(mutex_) {
-    auto first = connections_.end();
-    int strangers = 0;
+    std::vector<std::string> hosts;
+    std::vector<decltype(connections_.begin())> strangers;
     for (auto one = connections_.begin(); one != connections_.end(); ++one) {
       const std::shared_ptr<Connection> connection = one->lock();
       if (connection == nullptr || connection->is_known()) continue;
-      if (strangers++ == 0) first = one;
+      hosts.push_back(access::PeerHost(connection->address()));
+      strangers.push_back(one);
     }
-    if (strangers <= context_.options.strangers) return;
-    if (const std::shared_ptr<Connection> connection = first->lock()) connection->Close();
-    connections_.erase(first);  // what is left of it goes by itself
+    for (const size_t place : access::BeyondTheMost(hosts, static_cast<size_t>(context_.options.strangers))) {
+      if (const std::shared_ptr<Connection> connection = strangers[place]->lock()) connection->Close();
+      strangers[place]->reset();  // what is left of it goes by itself
+    }
   }
 
   bool StartRequest(const std::string& who, std::function<void()> work) {

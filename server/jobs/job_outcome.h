@@ -27,7 +27,7 @@ enum class StorePlace {
 };
 
 // For an attempt (1, 2, ...) that failed with `status`, having been asked to stop for `reason` or not. Waits grow by 4
-// from `first_backoff` to ten minutes (a job that was lost often has begun many); the first is is how long one whose
+// from `first_backoff` to ten minutes (a job that was lost often has begun many); the first is how long one whose
 // attempt is not counted waits.
 JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int attempt,
                          std::chrono::milliseconds first_backoff, StorePlace store);

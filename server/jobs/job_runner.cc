@@ -214,7 +214,11 @@ base::SteadyTime JobRunner::Impl::ClaimAll() {
     if (claimed->has_value()) continue;
     const absl::StatusOr<std::optional<std::chrono::microseconds>> next = database_.NextJobWait();
     if (!next.ok() || !next->has_value()) return later;
-    const auto wait = std::max(**next, std::chrono::microseconds(1000));
+    // A job that could begin at once and was not given is in another's hands: asked again at once, and again, it would
+    // cost the store more than it waits.
+    constexpr std::chrono::milliseconds kInOtherHands(100), kLeast(1);
+    const auto wait = **next <= std::chrono::microseconds::zero() ? kInOtherHands
+                                                                  : std::max<std::chrono::microseconds>(**next, kLeast);
     return std::min(later, options_.clock->SteadyNow() + wait);
   }
   return later;  // a worker that becomes idle wakes the keeper

@@ -306,9 +306,12 @@ absl::StatusOr<CheckReport> RestoreStore(const std::string& backup, const std::s
   ASSIGN_OR_RETURN(const FileLock lock, FileLock::Take(path));
   const std::string aside = KeptPath(lock.path()), copy = lock.path() + ".restoring";
   const auto restore = [&]() -> absl::StatusOr<CheckReport> {
-    if (Exists(aside)) {
+    // A log alone as well: it would be taken for that of what is put beside it now.
+    for (const char* const end : {"", kBeside[0], kBeside[1]}) {
+      if (!Exists(aside + end)) continue;
       return base::Error(absl::StatusCode::kFailedPrecondition,
-                         aside + " is what an earlier restore has put aside: move it away first", {"RESTORE_KEPT", {}});
+                         aside + end + " is what an earlier restore has put aside: move it away first",
+                         {"RESTORE_KEPT", {}});
     }
     Remove(copy);
     ASSIGN_OR_RETURN(const BackupResult copied, CopyStore(backup, copy, nullptr));

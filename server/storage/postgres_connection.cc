@@ -330,11 +330,13 @@ absl::StatusOr<bool> PostgresConnection::HasTable(const std::string& name) {
 }
 
 absl::StatusOr<bool> PostgresConnection::HasDetached(SessionId id) {
-  // By the bounds of the tables that are attached, whatever their names: FOR VALUES FROM ('65536') TO ('131072').
+  // By the bounds of the tables that are attached, whatever their names: FOR VALUES FROM ('65536') TO ('131072'). Of
+  // one that is being detached new snapshots see nothing any more.
   ASSIGN_OR_RETURN(Statement row,
                    Ask("SELECT NOT EXISTS (SELECT 1 FROM (SELECT pg_get_expr(c.relpartbound, c.oid) AS bounds FROM "
-                       "pg_inherits AS i JOIN pg_class AS c ON c.oid = i.inhrelid WHERE i.inhparent = CAST('chunk' AS "
-                       "regclass)) AS part WHERE (bounds LIKE '%FROM (MINVALUE)%' OR CAST(substring(bounds FROM 'FROM "
+                       "pg_inherits AS i JOIN pg_class AS c ON c.oid = i.inhrelid WHERE NOT i.inhdetachpending AND "
+                       "i.inhparent = CAST('chunk' AS regclass)) AS part WHERE (bounds LIKE '%FROM (MINVALUE)%' OR "
+                       "CAST(substring(bounds FROM 'FROM "
                        "[^0-9]*([0-9]+)') AS BIGINT) <= ?1) AND (bounds LIKE '%TO (MAXVALUE)%' OR "
                        "CAST(substring(bounds FROM 'TO [^0-9]*([0-9]+)') AS BIGINT) > ?1))",
                        id));

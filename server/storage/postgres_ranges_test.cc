@@ -170,38 +170,46 @@ TEST_F(PostgresRanges, ADatabaseOfBeforeIsTakenOverWhileAnOlderProgramWorks) {
     const std::unique_ptr<PostgresConnection> older = *PostgresConnection::Open(url, Access::kWrite, Hold::kShared);
     ASSERT_TRUE(MigratePostgres(*older, before, base::FromUtcUs(1)).ok());
     ASSERT_TRUE(older->LetOthersIn().ok());
-    const auto add = [&](int64_t id) {
-      absl::Status added = older->Run(
+    const auto open = [&](int64_t id) {
+      return older->Run(
           "INSERT INTO session (id, machine_id, name, instrument, state, next_seq, reading_count, created_by, "
           "body_sha256, created_at_utc_us, last_seen_at_utc_us) VALUES (?1, 1, 's', 'touch', 1, 1, 10, 'u', '', 0, 0)",
           id);
-      if (added.ok()) {
-        added =
-            older->Run("INSERT INTO chunk (session_id, seq, reading_count, crc32c, content) VALUES (?1, 0, 1, 2, ?2)",
-                       id, Blob{"x"});
-      }
+    };
+    const auto append = [&](int64_t id) {
+      return older->Run("INSERT INTO chunk (session_id, seq, reading_count, crc32c, content) VALUES (?1, 0, 1, 2, ?2)",
+                        id, Blob{"x"});
+    };
+    const auto add = [&](int64_t id) {
+      absl::Status added = open(id);
+      if (added.ok()) added = append(id);
       EXPECT_TRUE(added.ok()) << added;
     };
     ASSERT_TRUE(older->Run("INSERT INTO machine (id, name, revision, created_at_utc_us) VALUES (1, 'mt', 1, 0)").ok());
     add(5);
     add(70000);
-    const std::string node = "SELECT CAST(pg_relation_filenode('chunk_range_1') AS TEXT)";
+    ASSERT_TRUE(open(131072).ok());  // has no chunk yet
+    const std::string node = "SELECT CAST(pg_relation_filenode('chunk_range_2') AS TEXT)";
     const std::vector<std::string> file = Rows(*older, "SELECT CAST(pg_relation_filenode('chunk') AS TEXT)");
     const std::unique_ptr<PostgresConnection> newer = *PostgresConnection::Open(url, Access::kWrite, Hold::kShared);
     const absl::Status migrated =
         MigratePostgres(*newer, PostgresMigrations(), base::FromUtcUs(1), NewerSchema::kRunOn);
     ASSERT_TRUE(migrated.ok()) << migrated;
     EXPECT_EQ(Rows(*older, node), file);
-    add(80000);
+    add(131080);
     add(140000);
+    const absl::Status goes_on = append(131072);
+    EXPECT_TRUE(goes_on.ok()) << goes_on;
+    add(200000);
     EXPECT_THAT(Rows(*newer, kWhere),
-                ElementsAre("chunk_range_1 5", "chunk_range_1 70000", "chunk_range_1 80000", "chunk_range_2 140000"));
-    EXPECT_EQ(Rows(*older, "SELECT 'x' FROM chunk").size(), 4u);
+                ElementsAre("chunk_range_2 131072", "chunk_range_2 131080", "chunk_range_2 140000", "chunk_range_2 5",
+                            "chunk_range_2 70000", "chunk_range_3 200000"));
+    EXPECT_EQ(Rows(*older, "SELECT 'x' FROM chunk").size(), 6u);
     EXPECT_FALSE(*newer->HasDetached(SessionId(5)));
-    ASSERT_TRUE(newer->Execute(Detach("chunk_range_1")).ok());
+    ASSERT_TRUE(newer->Execute(Detach("chunk_range_2")).ok());
     EXPECT_TRUE(*newer->HasDetached(SessionId(5)));
-    EXPECT_TRUE(*newer->HasDetached(SessionId(80000)));
-    EXPECT_FALSE(*newer->HasDetached(SessionId(140000)));
+    EXPECT_TRUE(*newer->HasDetached(SessionId(70000)));
+    EXPECT_FALSE(*newer->HasDetached(SessionId(200000)));
   }
   TestServer::present->DropDatabase(url);
 }

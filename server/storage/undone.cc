@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/error_detail.h"
 #include "server/storage/sqlite_connection.h"
 
 namespace axiscal::storage {
@@ -33,11 +34,17 @@ absl::StatusOr<std::vector<AuditEntry>> UndoneByRestore(const std::string& kept,
   const int64_t last_id = last.Int(0);
   ASSIGN_OR_RETURN(const std::optional<std::string> ours, HashOfEntry(*earlier, last_id));
   ASSIGN_OR_RETURN(const std::optional<std::string> theirs, HashOfEntry(*later, last_id));
-  if (!ours || ours != theirs) return undone;
+  if (!ours || ours != theirs) {
+    return base::Error(absl::StatusCode::kFailedPrecondition,
+                       restored + " is no earlier state of " + kept + ": their chains of audit entries are not one",
+                       {"NO_EARLIER_STATE", {}});
+  }
   ASSIGN_OR_RETURN(Statement row,
                    later->Ask("SELECT id, at_utc_us, principal, action, resource FROM audit WHERE id > ?1 AND action IN"
                               " ('principal.revoke', 'token.revoke', 'role.take', 'group.add', 'group.remove',"
-                              " 'machine.four_eyes_on', 'calibration.approve', 'calibration.retire') ORDER BY id",
+                              " 'machine.four_eyes_on', 'machine.update', 'machine.delete', 'calibration.approve',"
+                              " 'calibration.retire', 'table.make', 'session.reject', 'webhook.put', 'webhook.remove',"
+                              " 'routine.stop', 'routine.remove') ORDER BY id",
                               last_id));
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
