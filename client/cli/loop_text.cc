@@ -319,7 +319,11 @@ std::string LoopText(const reports::Loop& report) {
                     "check sessions prove nothing\n");
   }
   text += ResidualText(report, is_check_fitted);
-  if (report.volumetric) text += VolumetricText(*report.volumetric);
+  if (report.volumetric) {
+    text += VolumetricText(*report.volumetric);
+  } else if (HasNominal(report)) {
+    absl::StrAppend(&text, "tool point over the measured box: not known before the nominal data are right\n");
+  }
   return text;
 }
 

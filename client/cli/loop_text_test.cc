@@ -86,6 +86,7 @@ TEST(LoopText, SaysThatNominalDataAreWrong) {
   EXPECT_THAT(LoopText(report), HasSubstr("verdict: nominal data are wrong: no errors were looked for\n"));
   EXPECT_THAT(LoopText(report),
               HasSubstr("  nominal data: machine.json: axis C turns the other way (chi-square 50000)\n"));
+  EXPECT_THAT(LoopText(report), HasSubstr("over the measured box: not known before the nominal data are right\n"));
 }
 
 TEST(LoopText, BadReadingsDoNotHideWhatTheModelGained) {

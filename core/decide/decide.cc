@@ -82,12 +82,12 @@ class Decider {
     const identify::Result of_declared = ending.fit.result;
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
     ASSIGN_OR_RETURN(report.check_before, CheckStatistics(ending.fit, &loop::SessionResiduals::before_mm, &report));
-    if (nominal) {  // errors that are looked for now would stand for it
+    // Errors that are looked for now would stand for it, and nothing is known of the tool point of a machine that is
+    // described wrongly.
+    if (nominal) {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
       report.causes.push_back(*nominal);
       report.verdict = loop::Verdict::kUnexplained;
-      RETURN_IF_ERROR(
-          HoldBack(machine_, ending.extension, ending.fit, of_declared, policy_, identify_options_, &report));
       report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
       return report;
     }

@@ -325,6 +325,7 @@ TEST(Decide, WrongNominalDataAreToldBeforeAnyErrorIsLookedFor) {
   EXPECT_TRUE(flipped->effects.empty());
   EXPECT_TRUE(flipped->steps.empty());
   EXPECT_EQ(flipped->verdict, Verdict::kUnexplained);
+  EXPECT_FALSE(flipped->volumetric) << "the box of a machine that is described wrongly";
 
   Sessions swapped = sessions;
   MeasuringRun& run = swapped.fit[3];
