@@ -76,6 +76,16 @@ double LeftByDeclared(const loop::Report& report) {
                    (fit.readings + check.readings));
 }
 
+// Of errors by themselves over the measured box: root of the sum of their mean squares, mm.
+double ApartMm(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
+               const std::vector<machine::ErrorTerm>& terms) {
+  const predict::BoxPoses poses(runs, predict::kBoxPoses);
+  const predict::OverPoses over(machine, poses, runs.front().tip_mm);
+  double square = 0.0;
+  for (const machine::ErrorTerm& term : terms) square += std::pow(predict::RmsOver(over.ErrorsOf({{term}})), 2);
+  return std::sqrt(square);
+}
+
 // Of `effects`: those to take off, one by one, until the corrections for all others together do no more than this over
 // the measured box, mm rms; first the one without which that is least. All as large as in `fit`.
 std::vector<size_t> Hiding(const machine::Machine& machine, const Extension& extension, std::vector<size_t> effects,
@@ -174,7 +184,11 @@ absl::Status HoldBack(const machine::Machine& machine, const Extension& extensio
     std::vector<std::string> unknown;
     for (const identify::Estimate& estimate : report->fitted.estimates)
       if (!estimate.identifiable) unknown.push_back(estimate.name);
-    report->volumetric = figures->Figures(report->fitted.model, unknown);
+    std::vector<machine::ErrorTerm> corrected;
+    for (const size_t effect : kept)
+      if (IsCorrected(term_of(effect))) corrected.push_back(term_of(effect));
+    const predict::Unsure unsure{policy.form_share * ApartMm(machine, fit.problem.runs, corrected), policy.sigma_share};
+    report->volumetric = figures->Figures(report->fitted.model, unknown, unsure);
   };
   take_figures();
   // What promises no gain is no reason to move a machine: rivals that nobody thought of come on top of what the

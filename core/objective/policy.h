@@ -67,6 +67,11 @@ struct Policy {
   // take away this share of the expected error over the box: less is chance as often as not, and no reason to move a
   // machine.
   double least_gain = 0.25;
+  // What is left over the box is stated with more than the fit's own uncertainty: the true form of an effect is off
+  // from the one that is named by this share of what it does there (one standard deviation; it was found among the
+  // forms of a dictionary), and standard uncertainties are known to this share of themselves (noise and its correlation
+  // are judged from the same readings).
+  double form_share = 0.25, sigma_share = 0.3;
   // Odds of the orders or pitches that the measured positions do not tell from what was found fall with this power of
   // the frequency: between 1 (a gear may have any number of teeth, and each factor of numbers is as likely) and 2 (the
   // power spectrum of worn and ground surfaces).

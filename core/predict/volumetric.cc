@@ -30,8 +30,14 @@ class BoxOdds::Drawn {
     std::vector<double> rms_mm;  // the n-th draw is of the same machine in all of these
   };
 
-  static RootMeanSquare IntervalOf(Left left) {
-    return {left.expected_mm, Quantile(&left.rms_mm, kLowQuantile), Quantile(&left.rms_mm, kHighQuantile)};
+  RootMeanSquare IntervalOf(Left left, const Unsure& unsure) const {
+    for (size_t i = 0; i < left.rms_mm.size(); ++i) {
+      const auto normal = unsure_.col(static_cast<Eigen::Index>(i));
+      left.rms_mm[i] =
+          std::hypot(left.rms_mm[i] * std::exp(unsure.sigma_share * normal[0]), unsure.form_mm * normal[1]);
+    }
+    return {std::hypot(left.expected_mm, unsure.form_mm), Quantile(&left.rms_mm, kLowQuantile),
+            Quantile(&left.rms_mm, kHighQuantile)};
   }
 
   static double ShareOf(const Worse& worse, const Left& before, const Left& after) {
@@ -68,6 +74,8 @@ class BoxOdds::Drawn {
       const auto z = z_.col(i), acts = acts_.col(i);
       squares_[i] = acts.dot(choices_gram * acts) + 2.0 * z.dot(of_choices * acts) + squares.dot(z.cwiseAbs2());
     }
+    unsure_.resize(Eigen::NoChange, kDraws);
+    for (double& one : unsure_.reshaped()) one = random.Normal();
     before_ = LeftBy(over_.ErrorsOf(before));
   }
 
@@ -232,6 +240,7 @@ class BoxOdds::Drawn {
   Eigen::MatrixXd axes_;             // of A' A: z is about these
   Eigen::MatrixXd z_, acts_;         // a column per draw
   Eigen::VectorXd squares_;          // |V a + A z|^2 / poses of each draw
+  Eigen::Matrix2Xd unsure_;          // standard normal, for Unsure: of the sigmas, of the forms
   double scatter_ = 0.0;             // expected
   Left before_;
 };
@@ -257,7 +266,8 @@ double BoxOdds::ProbabilityWithout(const std::vector<int>& terms, const Worse& w
   return Drawn::ShareOf(worse, drawn_->before(), drawn_->LeftBy(drawn_->FittedWithout(terms)));
 }
 
-VolumetricError BoxOdds::Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown) const {
+VolumetricError BoxOdds::Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown,
+                                 const Unsure& unsure) const {
   VolumetricError out;
   out.box = drawn_->box();
   out.poses = kBoxPoses;
@@ -267,9 +277,9 @@ VolumetricError BoxOdds::Figures(const machine::ErrorModel& after, const std::ve
   const Drawn::Left& of_before = drawn_->before();
   const Drawn::Left uncorrected = drawn_->LeftBy(Eigen::VectorXd::Zero(over.rows())),
                     of_after = drawn_->LeftBy(over.ErrorsOf(machine::NamedErrors(after)));
-  out.uncorrected = Drawn::IntervalOf(uncorrected);
-  out.before = Drawn::IntervalOf(of_before);
-  out.after = Drawn::IntervalOf(of_after);
+  out.uncorrected = drawn_->IntervalOf(uncorrected, unsure);
+  out.before = drawn_->IntervalOf(of_before, unsure);
+  out.after = drawn_->IntervalOf(of_after, unsure);
   std::vector<double> gain;
   for (size_t i = 0; i < of_after.rms_mm.size(); ++i) gain.push_back(of_before.rms_mm[i] - of_after.rms_mm[i]);
   out.is_gain_held = Quantile(&gain, kLowQuantile) > 0.0;

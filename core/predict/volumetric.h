@@ -52,6 +52,13 @@ struct VolumetricError {
   std::vector<std::string> unknown;
 };
 
+// What no draw of errors and choices holds. Standard deviations: of what the true forms of errors leave over the box
+// beside the forms that were found, mm rms; of the logarithm of all that is left else, as standard uncertainties are
+// themselves known to a share.
+struct Unsure {
+  double form_mm = 0.0, sigma_share = 0.0;
+};
+
 // Worse than before: by more than this share, and by more than this, mm rms.
 struct Worse {
   double share = 0.0, mm = 0.0;
@@ -76,8 +83,10 @@ class BoxOdds {
   double ProbabilityWithout(const std::vector<int>& terms, const Worse& worse) const;
 
   // `after`: the errors that are corrected. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing
-  // is known of.
-  VolumetricError Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown = {}) const;
+  // is known of. `unsure` widens the intervals; whether a gain is held does not hang on it, as before and after are of
+  // the same machine.
+  VolumetricError Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown = {},
+                          const Unsure& unsure = {}) const;
 
  private:
   class Drawn;

@@ -92,6 +92,33 @@ TEST(Volumetric, AGainWithinItsOwnUncertaintyIsNotHeld) {
   EXPECT_GT(error.uncorrected.expected_mm, 10 * kUm);  // 80 urad at up to 250 mm from the axis
 }
 
+// What no draw holds widens the intervals of what is left, and changes nothing of whether a gain is held.
+TEST(Volumetric, FormsAndSigmasThatAreUnsureWidenTheIntervals) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
+  const machine::KnownErrors found = Known(R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X",
+      "amplitude": 100}], "covariance": {"of": ["EXX:linear"], "sigma": [2], "correlation": [[]]}})");
+  const auto odds = BoxOdds::Over(machine, runs, {}, found);
+  const VolumetricError plain = odds->Figures(found.model), sure = odds->Figures(found.model, {}, Unsure{});
+  EXPECT_EQ(sure.after.low_mm, plain.after.low_mm);
+  EXPECT_EQ(sure.after.high_mm, plain.after.high_mm);
+
+  const double form_mm = 25.0 * plain.after.expected_mm;
+  const VolumetricError form = odds->Figures(found.model, {}, {form_mm, 0.0});
+  EXPECT_DOUBLE_EQ(form.after.expected_mm, std::hypot(plain.after.expected_mm, form_mm));
+  EXPECT_NEAR(form.after.high_mm / form_mm, 2.241, 0.1);  // |z| of a normal z is below that in 97.5 % of draws
+  EXPECT_GE(form.after.low_mm, plain.after.low_mm);
+  EXPECT_TRUE(form.is_gain_held);
+  EXPECT_DOUBLE_EQ(form.before.expected_mm, std::hypot(plain.before.expected_mm, form_mm));
+
+  // 100 um/m that are known to 2 %, before they are corrected: the sigma of their logarithm is all that there is.
+  const VolumetricError sigma = odds->Figures(found.model, {}, {0.0, 0.3});
+  EXPECT_EQ(sigma.before.expected_mm, plain.before.expected_mm);
+  EXPECT_NEAR(std::log(sigma.before.high_mm / plain.before.expected_mm), 1.96 * 0.3, 0.04);
+  EXPECT_NEAR(std::log(sigma.before.low_mm / plain.before.expected_mm), -1.96 * 0.3, 0.04);
+  EXPECT_TRUE(sigma.is_gain_held);
+}
+
 // Another error that the readings like as much: half of the draws are those of a machine that has it.
 TEST(Volumetric, WhatCannotBeToldIsInTheInterval) {
   const std::string found = R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 100}],
