@@ -60,7 +60,7 @@ struct ServerOptions {
   // A connection without a call is closed after so long; clients open a new one with their next call. > 0.
   std::chrono::milliseconds connection_idle = std::chrono::minutes(5);
   // Connections from which nobody has called yet whom the server knows, where callers must say who they are: of each
-  // port so many; one more ends the first of them. > 0.
+  // port so many; one more ends the first of the host that has most. > 0.
   int strangers = 2000;
   // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
   // more costs memory per stream.

@@ -76,12 +76,14 @@ std::filesystem::path NewName(const std::filesystem::path& folder, base::UtcTime
 void RemoveLeft(const std::filesystem::path& folder) {
   constexpr std::chrono::hours kLeftAfter(24);
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
+  // Without exceptions: a folder that cannot be read to its end is no reason against a backup.
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
     if (!name.starts_with("axiscal-") || !name.ends_with(".db.part")) continue;
-    const auto written = entry.last_write_time(error);
-    if (!error && std::filesystem::file_time_type::clock::now() - written > kLeftAfter)
-      std::filesystem::remove(entry.path(), error);
+    std::error_code of_entry;
+    const auto written = entry->last_write_time(of_entry);
+    if (!of_entry && std::filesystem::file_time_type::clock::now() - written > kLeftAfter)
+      std::filesystem::remove(entry->path(), of_entry);
   }
 }
 

@@ -38,7 +38,8 @@ struct HttpOptions {
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // A connection without a request is closed after so long. > 0.
   std::chrono::milliseconds idle = std::chrono::minutes(5);
-  // Connections at a time that have shown no identity, where callers must: one more closes the first of them. > 0.
+  // Connections at a time that have shown no identity, where callers must: one more closes the first of the host that
+  // has most. > 0.
   int strangers = 2000;
   // Requests under way at a time; more get UNAVAILABLE. Bytes of all bodies, files and messages at a time; more get
   // RESOURCE_EXHAUSTED. Both are shared fairly between callers (handlers::Budget).

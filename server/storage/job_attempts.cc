@@ -70,8 +70,7 @@ std::string WhyLost(int attempt, int lost) {
   if (lost < kMostLostAttempts) return so_far;
   return so_far +
          "; it may be this job that ends it (by its memory? the server's log and the kernel's tell): make it smaller, "
-         "or "
-         "run it again with axiscal jobs requeue";
+         "or run it again with axiscal jobs requeue";
 }
 
 std::string Name(JobEnd end) {
