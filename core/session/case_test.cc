@@ -14,6 +14,7 @@
 namespace axiscal::session {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -86,7 +87,8 @@ TEST_F(CaseFolder, ErrorsNameTheFile) {
   EXPECT_EQ(ReadCase(folder_.string()).status().code(), absl::StatusCode::kNotFound);
   Write("machine.json", R"({"id": 3})");
   EXPECT_THAT(std::string(ReadCase(folder_.string()).status().message()),
-              HasSubstr("machine.json: id: 3, expected a text"));
+              AllOf(HasSubstr("machine.json: 5 fields are missing or wrong:"), HasSubstr("\n  id: 3, expected a text"),
+                    HasSubstr("\n  axes: is missing")));
   fs::remove(folder_ / "machine.json");
   CopyMachine();
   EXPECT_THAT(std::string(ReadCase(folder_.string()).status().message()), HasSubstr("fit: no session files"));
