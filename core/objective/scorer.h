@@ -114,9 +114,12 @@ class Scorer {
     Eigen::Index flat = 0;            // columns of flat members, which stand first
     // K^-1 and K^-1 P, P the products of the state's columns with all columns; the same of the flat members alone,
     // empty where there are no blocks.
-    Eigen::MatrixXd inverse, weights, flat_inverse, flat_weights;
+    Eigen::MatrixXd inverse, flat_inverse, flat_weights;
+    std::vector<double> weights;      // K^-1 P by columns; may be longer: its memory is taken once, as that of half_
     Eigen::VectorXd amplitude, of_y;  // K^-1 b, and per column what the state explains of its product with y
     std::vector<Eigen::MatrixXd> taken, taken_flat;  // per group: what the state, its flat members explain of its Gram
+
+    Eigen::Map<const Eigen::MatrixXd> Weights() const { return {weights.data(), inverse.rows(), of_y.size()}; }
   };
   // What Additions answered.
   struct Answer {

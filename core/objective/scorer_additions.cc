@@ -55,14 +55,30 @@ Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::Vect
 }
 
 namespace {
+// Of 16 to 200 numbers for each of tens of thousands of columns so many are worked on at once that they are still in a
+// processor's level-two cache when they are read again: 32,768 numbers are 256 KiB. Eigen would copy all columns that a
+// solve is given.
+constexpr Eigen::Index kNumbersAtOnce = 32768;
+
+// Calls visit(first, count) for all columns of a matrix, some at a time.
+template <typename Visit>
+void ForColumns(Eigen::Index rows, Eigen::Index columns, Visit visit) {
+  const Eigen::Index at_once = std::max<Eigen::Index>(1, kNumbersAtOnce / std::max<Eigen::Index>(1, rows));
+  for (Eigen::Index first = 0; first < columns; first += at_once) visit(first, std::min(at_once, columns - first));
+}
+
 // B with B' B = W' V^-1 W, W the rows of some columns in K^-1 P and V their part of K^-1: what K^-1 explains by them
 // beyond what it explains without them.
-std::optional<Eigen::MatrixXd> BackOf(const Eigen::MatrixXd& inverse, const Eigen::MatrixXd& weights,
+std::optional<Eigen::MatrixXd> BackOf(const Eigen::MatrixXd& inverse, const Eigen::Ref<const Eigen::MatrixXd>& weights,
                                       Eigen::Index first, Eigen::Index count) {
   const Eigen::LLT<Eigen::MatrixXd> own(inverse.block(first, first, count, count));
   if (own.info() != Eigen::Success) return std::nullopt;  // rounding
-  Eigen::MatrixXd back = weights.middleRows(first, count);
-  own.matrixL().solveInPlace(back);
+  Eigen::MatrixXd back(count, weights.cols());
+  ForColumns(count, weights.cols(), [&](Eigen::Index column, Eigen::Index columns) {
+    auto some = back.middleCols(column, columns);
+    some = weights.block(first, column, count, columns);
+    own.matrixL().solveInPlace(some);
+  });
   return back;
 }
 }  // namespace
@@ -82,7 +98,7 @@ Scorer::Explained Scorer::ExplainedBy(const State& state, double design, const F
     if (std::equal(gone + 1, ground_->state.end(), state.begin() + which)) {
       const Eigen::Index first = ground_->first[static_cast<size_t>(which)], count = group(gone->group).columns;
       const bool has_flat = first < ground_->flat && ground_->flat_weights.size() > 0;
-      std::optional<Eigen::MatrixXd> back = BackOf(ground_->inverse, ground_->weights, first, count), flat_back;
+      std::optional<Eigen::MatrixXd> back = BackOf(ground_->inverse, ground_->Weights(), first, count), flat_back;
       if (has_flat) flat_back = BackOf(ground_->flat_inverse, ground_->flat_weights, first, count);
       if (back && (flat_back || !has_flat)) {
         out.ground = &*ground_;
@@ -102,11 +118,17 @@ Scorer::Explained Scorer::ExplainedBy(const State& state, double design, const F
     if (static_cast<Eigen::Index>(half_.size()) < size * column_count_) half_.resize(size * column_count_);
   }
   new (&out.half) Eigen::Map<Eigen::MatrixXd>(half_.data(), size, column_count_);
-  for (size_t i = 0; !is_known && i < state.size(); ++i) {
-    const Eigen::MatrixXd& products = Load(state[i].group).products;
-    out.half.middleRows(factor.first[i], products.cols()) = products.transpose();
+  if (!is_known && !state.empty()) {
+    const auto lower = factor.lower.triangularView<Eigen::Lower>();
+    ForColumns(size, column_count_, [&](Eigen::Index first, Eigen::Index count) {
+      auto some = out.half.middleCols(first, count);
+      for (size_t i = 0; i < state.size(); ++i) {
+        const Eigen::MatrixXd& products = loaded_.at(state[i].group).products;
+        some.middleRows(factor.first[i], products.cols()) = products.middleRows(first, count).transpose();
+      }
+      lower.solveInPlace(some);
+    });
   }
-  if (!is_known && !state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(out.half);
   half_of_ = {state, design, column_count_};
   out.of_y = out.half.transpose() * factor.half;
   return out;
@@ -144,7 +166,14 @@ void Scorer::Keep(const State& state, double design) {
   const Eigen::Index n = factor.lower.rows();
   const Eigen::MatrixXd root = lower.solve(Eigen::MatrixXd::Identity(n, n));
   ground.inverse = root.transpose() * root;
-  ground.weights = lower.transpose().solve(whole.half);
+  if (ground_) ground.weights = std::move(ground_->weights);
+  if (static_cast<Eigen::Index>(ground.weights.size()) < whole.half.size()) ground.weights.resize(whole.half.size());
+  Eigen::Map<Eigen::MatrixXd> weights(ground.weights.data(), n, whole.half.cols());
+  ForColumns(n, whole.half.cols(), [&](Eigen::Index first, Eigen::Index count) {
+    auto some = weights.middleCols(first, count);
+    some = whole.half.middleCols(first, count);
+    lower.transpose().solveInPlace(some);
+  });
   ground.amplitude = lower.transpose().solve(factor.half);
   const bool has_blocks = factor.flat < n;
   if (has_blocks && factor.flat > 0) {
