@@ -447,6 +447,7 @@ const kTexts = {
   stage_simulating: ["repeats it on simulated readings", "wiederholt es mit simulierten Messwerten"],
   stage_rewrite: ["corrects the program", "korrigiert das Programm"],
   attempt: ["Attempt {n} of {all}", "Versuch {n} von {all}"],
+  attemptAfterLosses: ["Attempt {n}: earlier ones were lost with their servers, {all} may fail", "Versuch {n}: frühere gingen mit ihren Servern verloren, {all} dürfen fehlschlagen"],
   kind_identify: ["identify", "Identifikation"],
   kind_compensate: ["compensate", "Kompensation"],
   kind_closeLoop: ["close the loop", "Kreis schließen"],

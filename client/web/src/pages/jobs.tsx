@@ -214,7 +214,7 @@ export function JobPage(props: { id: bigint }) {
                 </Fact>
                 <Fact name={t("priority")}>{priorityText(it.priority)}</Fact>
                 {it.deadlineUtcUs !== undefined && <Fact name={t("deadline")}>{timeText(it.deadlineUtcUs)}</Fact>}
-                <Fact name={t("state")}>{t("attempt", { n: it.attempt, all: it.maxAttempts })}</Fact>
+                <Fact name={t("state")}>{t(it.attempt > it.maxAttempts ? "attemptAfterLosses" : "attempt", { n: it.attempt, all: it.maxAttempts })}</Fact>
               </dl>
               <p class="buttons">
                 {mayRun && !hasEnded(it) && (
