@@ -258,12 +258,15 @@ TEST(Rates, AmplitudesThatOnlyAllSessionsTellAreThoseOfAll) {
 
 // A warming whose time constant may grow becomes the drift from which a session was to tell it (460041); without the
 // effect nothing fits, so that no linear estimate says what is alike (470025).
-TEST(Rates, WhatTheProposedSessionsTellLeavesTheClass) {
-  for (const int seed : {460041, 470025}) {
-    const NextScore score = JudgeNext(seed);
-    EXPECT_TRUE(score.is_alone) << score.text;
-  }
+class ProposedSessions : public testing::TestWithParam<int> {};
+
+TEST_P(ProposedSessions, LeaveTheTrueEffectAlone) {
+  const NextScore score = JudgeNext(GetParam());
+  EXPECT_TRUE(score.is_alone) << score.text;
 }
+
+// What the proposed sessions tell leaves the class.
+INSTANTIATE_TEST_SUITE_P(Rates, ProposedSessions, testing::Values(460041, 470025));
 
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
