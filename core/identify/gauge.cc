@@ -55,7 +55,7 @@ NullSpace WithNonlinearColumns(const NullSpace& space, const machine::ErrorModel
 std::vector<int> HeldAtSolution(const Problem& problem, const Solution& solution,
                                 const std::vector<Parameter>& parameters, const NullSpace& null_space) {
   if (null_space.fixed.empty()) return {};
-  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kInformative);
+  const Reduced reduced = Reduce(problem, solution.linearised, solution.normal, Priors::kInformative);
   const Eigen::VectorXd sizes = PlausibleSizes(solution.point.model, parameters)(null_space.fixed);
   // Diagonal: the change of chi-square by a plausible size of each.
   Eigen::MatrixXd shows = sizes.asDiagonal() * InformationBeside(reduced, null_space.fixed) * sizes.asDiagonal();
@@ -81,10 +81,13 @@ std::optional<int> BiasesMost(const Problem& problem, const Solution& solution,
   const double scatter = ScatterOf(solution);
   // With the weak priors: an error that no reading shows without them may well show with them (three readings leave it
   // to the set-up, but not to a run-out of a tenth).
-  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
-  const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal(), gradient = reduced.gradient(held);
-  const Eigen::VectorXd sizes = PlausibleSizes(solution.point.model, parameters)(held);
+  const Reduced reduced = Reduce(problem, solution.linearised, solution.normal, Priors::kAll);
   const Eigen::MatrixXd covariance = InverseBeside(reduced, held);
+  // Once the others have gone the last step.
+  const Eigen::VectorXd gradient =
+      (reduced.gradient - reduced.information * (covariance * reduced.gradient)).eval()(held);
+  const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal();
+  const Eigen::VectorXd sizes = PlausibleSizes(solution.point.model, parameters)(held);
   // One at a time, as the gradient is that of this solution; no further than a plausible size, as what hardly shows
   // promises any gain at sizes that no machine has.
   std::optional<int> worst;

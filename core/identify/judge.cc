@@ -80,7 +80,7 @@ PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::Matr
   PriorDominated out;
   out.involved.assign(p, false);
   const Eigen::MatrixXd alone = InverseBeside(
-      Reduce(solved.problem, solved.solution.point, solved.solution.normal, Priors::kInformative), solved.held);
+      Reduce(solved.problem, solved.solution.linearised, solved.solution.normal, Priors::kInformative), solved.held);
   const Eigen::VectorXd sizes = PlausibleSizes(solved.solution.point.model, parameters);
   std::vector<bool> is_by_curvature(p, false);
   for (int i = 0; i < p; ++i) {
@@ -145,7 +145,7 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   }
   judgement.stated = AddStated(solved, &judgement.covariance);
   const Eigen::MatrixXd linear =
-      InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);
+      InverseBeside(Reduce(solved.problem, solution.linearised, solution.normal, Priors::kAll), solved.held);
   judgement.prior_dominated = FindPriorDominated(solved, linear, curved);
   ASSIGN_OR_RETURN(judgement.without_interval,
                    FindWithoutInterval(solved, linear, curved, judgement.sigma_scale, options));

@@ -351,7 +351,7 @@ absl::Status HoldTooWide(const Options& options, SolvedProblem* solved) {
                              ? std::sqrt(std::max(1.0, JudgingCost(solved->problem, solution) / freedom))
                              : 1.0;
     const Eigen::MatrixXd covariance =
-        InverseBeside(Reduce(solved->problem, solution.point, solution.normal, Priors::kAll), solved->held);
+        InverseBeside(Reduce(solved->problem, solution.linearised, solution.normal, Priors::kAll), solved->held);
     const std::vector<int>& fixed = solved->null_space.fixed;
     int widest = -1;
     double most = 1.0;
