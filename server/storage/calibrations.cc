@@ -1,5 +1,6 @@
 #include "server/storage/calibrations.h"
 
+#include "absl/strings/match.h"
 #include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibration_checksum.h"
@@ -329,11 +330,29 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
   return page;
 }
 
+namespace {
+// Of a calibration that is in use already: who approves it once more changes nothing, and what he says of it is kept.
+// The same call again, whose answer was lost, says nothing new.
+absl::Status AuditAnotherReason(Connection& connection, UtcTime now, CalibrationId id, const Caller& caller) {
+  if (caller.reason.empty()) return absl::OkStatus();
+  AuditFilter of_it;
+  of_it.resource = absl::StrCat("calibrations/", id.number());
+  ASSIGN_OR_RETURN(const Page<AuditEntry> last, ListAudit(connection, of_it, {1, ""}));
+  const bool is_said = !last.rows.empty() && last.rows[0].principal == caller.principal &&
+                       absl::EndsWith(last.rows[0].detail, "reason: " + caller.reason);
+  if (is_said) return absl::OkStatus();
+  return AuditChange(connection, now, caller, "calibration.approve", of_it.resource, "approved", "approved");
+}
+}  // namespace
+
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
                                                      int64_t expected_etag, std::optional<CalibrationId> in_use,
                                                      const Caller& caller) {
   ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
-  if (present.state == CalibrationState::kApproved) return present;
+  if (present.state == CalibrationState::kApproved) {
+    RETURN_IF_ERROR(AuditAnotherReason(connection, now, id, caller));
+    return present;
+  }
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
   if (!present.rejected_sessions.empty()) {
     const std::string session = std::to_string(present.rejected_sessions[0].number());

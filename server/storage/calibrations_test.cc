@@ -60,6 +60,34 @@ TEST_F(Calibrations, ListsAreHeldToTimeAndSession) {
   EXPECT_EQ(ids({{}, {}, {}, SessionId(99)}), Ids{});
 }
 
+// Nothing changes, and the second reason is not lost.
+TEST_F(Calibrations, WhoApprovesOnceMoreIsHeard) {
+  const CalibrationRecord made = *database->CreateCalibration(New());
+  const auto approve = [&](const std::string& who, const std::string& why) {
+    Caller caller = Cell("");
+    caller.principal = who;
+    caller.reason = why;
+    return database->ApproveCalibration(made.id, 0, caller);
+  };
+  const auto said = [&] {
+    std::vector<std::string> lines;
+    AuditFilter of_it;
+    of_it.resource = absl::StrCat("calibrations/", made.id.number());
+    const auto page = database->ListAudit(of_it, {100, ""});
+    EXPECT_TRUE(page.ok()) << page.status();
+    if (!page.ok()) return lines;
+    for (const AuditEntry& entry : page->rows)
+      if (entry.action == "calibration.approve") lines.push_back(absl::StrCat(entry.principal, ": ", entry.detail));
+    return lines;
+  };
+  ASSERT_TRUE(approve("ann", "after the service").ok());
+  ASSERT_TRUE(approve("ann", "after the service").ok());  // repeated
+  ASSERT_TRUE(approve("ann", "").ok());
+  EXPECT_EQ(said(), std::vector<std::string>{"ann: reason: after the service"});
+  EXPECT_EQ(approve("bob", "checked by a ball bar")->approved_by, "ann");
+  EXPECT_EQ(said(), (std::vector<std::string>{"bob: reason: checked by a ball bar", "ann: reason: after the service"}));
+}
+
 TEST_F(Calibrations, OnlyOneIsApproved) {
   const CalibrationRecord first = *database->CreateCalibration(New());
   const CalibrationRecord second = *database->CreateCalibration(New());

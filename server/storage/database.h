@@ -177,7 +177,8 @@ class Database {
   }
   // A candidate, or a retired one (roll back), becomes the approved one; the machine's former one retires.
   // `expected_etag` 0: whatever it is, else ABORTED ETAG_MISMATCH. So where `former` is given and another calibration,
-  // or none, is in use: it was judged against one that nobody uses any more. Repeating is OK.
+  // or none, is in use: it was judged against one that nobody uses any more. Repeating is OK: nothing changes, and the
+  // audit gets a reason that it does not have yet.
   virtual absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
                                                                std::optional<CalibrationId> former,
                                                                const Caller& caller) = 0;
