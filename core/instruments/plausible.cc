@@ -10,6 +10,7 @@
 #include "core/instruments/evaluation.h"
 #include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
+#include "core/instruments/tracker/tracker_model.h"
 #include "core/session/column_rules.h"
 
 namespace axiscal::instruments {
@@ -72,7 +73,8 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
   ASSIGN_OR_RETURN(MeasuringRun run, BindReadings(session, machine, readings_before));
   if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound
   RETURN_IF_ERROR(CheckAlive(session, run));
-  if (run.kind == Kind::kTracker || run.kind == Kind::kDirection) return absl::OkStatus();
+  if (run.kind == Kind::kDirection) return absl::OkStatus();
+  if (run.kind == Kind::kTracker) run.tracker_from_machine = tracker::StartingPose(machine, run);
   if (run.kind == Kind::kLength && !length::HasStatedZero(run)) run.length.zero_mm = length::StartingZero(machine, run);
   const machine::JointErrors<double> no_errors;
   const double no_setup[kMaxSetupParameters] = {};
@@ -80,6 +82,7 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
   double predicted_mm[kMaxRows];
   int predicted = -1;  // the reading that predicted_mm is of
   for (int reading = 0; reading < run.reading_count(); ++reading) {
+    if (run.targets.IsReference(reading)) continue;  // whose place is known roughly
     if (predicted >= 0 && IsSurelyNear(run, reading, predicted_mm, reach.Between(predicted, reading))) continue;
     Predict(machine, run, reading, no_errors, no_setup, predicted_mm);
     predicted = reading;
@@ -93,7 +96,9 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
           "right?%s",
           session::ReadingLine(session.header.size(), place), place + 1, run.session, instrument->reading_columns[row],
           measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id,
-          run.kind == Kind::kLength ? " (and anchor_mm or beam; the zero is the middle reading's)" : ""));
+          run.kind == Kind::kLength    ? " (and anchor_mm or beam; the zero is the middle reading's)"
+          : run.kind == Kind::kTracker ? " (the tracker stands where its readings fit best)"
+                                       : ""));
     }
   }
   return absl::OkStatus();

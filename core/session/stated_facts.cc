@@ -16,6 +16,7 @@ constexpr char kExpansion[] = "expansion ", kCertificate[] = "certificate ";
 constexpr double kPerMillion = 1e-6;
 // Invar has 1 um/(m K), steel 11.5, aluminium 23, plastics 100; carbon fibre shrinks a little.
 constexpr double kLeastPerMillion = -20.0, kMostPerMillion = 300.0, kMostSigmaPerMillion = 50.0;
+constexpr double kSmallestPerMillion = 0.001;  // glass ceramics have 0.02
 
 bool HasPrefix(const HeaderEntry& entry, const std::string& prefix) {
   return entry.key.compare(0, prefix.size(), prefix) == 0;
@@ -110,14 +111,16 @@ absl::StatusOr<Expansion> ParseExpansion(const HeaderEntry& entry) {
   }
   const std::vector<std::string> words = WordsOf(entry.value);
   const std::string rule = absl::StrFormat(
-      "a coefficient from %g to %g and its standard uncertainty from 0 to %g, um/(m K), and, if it is not temp_C, the "
-      "column of its temperature: 11.5 0.5 T_bar_C",
-      kLeastPerMillion, kMostPerMillion, kMostSigmaPerMillion);
+      "a coefficient from %g to %g (0, or at least %g in size) and its standard uncertainty from 0 to %g, um/(m K), "
+      "and, if it is not temp_C, the column of its temperature: 11.5 0.5 T_bar_C",
+      kLeastPerMillion, kMostPerMillion, kSmallestPerMillion, kMostSigmaPerMillion);
   double coefficient = 0.0, sigma = 0.0;
   if (words.size() < 2 || words.size() > 3 || !ParseNumber(words[0], &coefficient) || !ParseNumber(words[1], &sigma))
     return Expected(entry, rule);
   if (coefficient < kLeastPerMillion || coefficient > kMostPerMillion || sigma < 0.0 || sigma > kMostSigmaPerMillion)
     return Expected(entry, rule);
+  // A number in 1/K.
+  if (coefficient != 0.0 && std::abs(coefficient) < kSmallestPerMillion) return Expected(entry, rule);
   expansion.column = words.size() == 3 ? words[2] : "temp_C";
   if (!IsTemperatureColumn(expansion.column)) return Expected(entry, rule);
   expansion.per_kelvin = coefficient * kPerMillion;

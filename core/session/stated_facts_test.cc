@@ -36,6 +36,15 @@ TEST(StatedFacts, AnExpansionInItsUnits) {
   EXPECT_EQ(scale->text(), "expansion of scale X2, 8 +- 0 um/(m K)");
 }
 
+TEST(StatedFacts, AnExpansionPerKelvinAloneIsRefused) {
+  for (const char* value : {"11.5e-6 0.5e-6", "-2e-7 0"}) {
+    const std::string message(ParseExpansion({"expansion bar", value}).status().message());
+    EXPECT_NE(message.find("at least 0.001 in size"), std::string::npos) << message;
+  }
+  EXPECT_TRUE(ParseExpansion({"expansion bar", "0 0.02"}).ok());
+  EXPECT_TRUE(ParseExpansion({"expansion bar", "0.02 0.02"}).ok());
+}
+
 // U = 0.8 um at k = 2 is a standard uncertainty of 0.4 um; a certificate is valid on its last day.
 TEST(StatedFacts, ACertificateInItsUnits) {
   const auto bar =

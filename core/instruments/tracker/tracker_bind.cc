@@ -125,6 +125,14 @@ absl::Status BindTargets(const Session& session, bool is_whole, instruments::Mea
                                                      "', expected times t_s, ascending, at which the tracker was "
                                                      "knocked, in a session with reference targets"));
   }
+  if (is_whole && !targets.knocked_s.empty()) {
+    const std::vector<double>& times_s = session::FindColumn(session, "t_s")->values;
+    const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+    if (targets.knocked_s.front() <= *first || targets.knocked_s.back() > *last)
+      return absl::InvalidArgumentError(absl::StrCat("header 'knocked_s: ", *session::FindHeader(session, "knocked_s"),
+                                                     "', expected times between the first and the last reading, t_s ",
+                                                     *first, " to ", *last));
+  }
   run->targets = std::move(targets);
   run->setup = SetupParametersOf(run->targets);
   return absl::OkStatus();

@@ -1,7 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <utility>
+
 #include "core/base/units.h"
+#include "core/instruments/evaluation.h"
+#include "core/instruments/plausible.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/testing/machines.h"
 
@@ -9,7 +14,9 @@ namespace axiscal::tracker {
 namespace {
 
 using instruments::BindSession;
+using instruments::CheckPlausible;
 using instruments::MeasuringRun;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -158,12 +165,49 @@ TEST(Tracker, WhatItCannotBeOfIsRefused) {
               HasSubstr("expected some of the tool"));
   EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"setup", "one"}}, two), HasSubstr("has a set-up of its own"));
   EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"knocked_s", "30 20"}}, two), HasSubstr("'knocked_s: 30 20'"));
+  EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"knocked_s", "30300"}}, two),
+              AllOf(HasSubstr("'knocked_s: 30300'"), HasSubstr("between the first and the last reading, t_s")));
+  EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"knocked_s", "-5"}}, two), HasSubstr("'knocked_s: -5'"));
   session::Session without = SessionOf({{"reference B", "0 0 1"}}, two);
   std::erase_if(without.columns, [](const session::Column& column) { return column.name == "target"; });
   EXPECT_THAT(std::string(Bind(without).status().message()), HasSubstr("need the column target"));
   session::Session timeless = SessionOf({{"reference B", "0 0 1"}}, two);
   std::erase_if(timeless.columns, [](const session::Column& column) { return column.name == "t_s"; });
   EXPECT_THAT(std::string(Bind(timeless).status().message()), HasSubstr("need the column t_s"));
+}
+
+// What the nominal machine has a tracker read that stands three metres away; targets beside it are not where they are
+// said to be.
+session::Session Seen(double scale, double sign_of_y) {
+  session::Session session = SessionOf(kTwoOfEach, kReadings);
+  for (size_t k = 0; k < kReadings.size(); ++k) {  // not in one plane: that would look the same from behind
+    session.columns[2].values[k] = 110.0 * static_cast<double>(3 * k % 4);
+    session.columns[3].values[k] = -120.0 * static_cast<double>(k % 3);
+  }
+  auto run = Bind(session);
+  EXPECT_TRUE(run.ok()) << run.status();
+  run->tracker_from_machine = {Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {3000, 200, -50}};
+  const machine::JointErrors<double> no_errors;
+  const double no_setup[instruments::kMaxSetupParameters] = {};
+  for (int k = 0; k < run->reading_count(); ++k) {
+    double place_mm[instruments::kMaxRows];
+    Predict(machine::testing::MultiTasking(), *run, k, no_errors, no_setup, place_mm);
+    const auto at = static_cast<size_t>(k);
+    session.columns[7].values[at] = scale * (place_mm[0] + (run->targets.IsReference(k) ? 300.0 : 0.0));
+    session.columns[8].values[at] = scale * sign_of_y * place_mm[1];
+    session.columns[9].values[at] = scale * place_mm[2];
+  }
+  return session;
+}
+
+TEST(Tracker, ReadingsInMetresOrAMirroredFrameAreRefused) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  EXPECT_TRUE(CheckPlausible(Seen(1.0, 1.0), machine).ok()) << CheckPlausible(Seen(1.0, 1.0), machine);
+  for (const auto& [scale, sign] : {std::pair(1e-3, 1.0), {1.0, -1.0}}) {
+    EXPECT_THAT(std::string(CheckPlausible(Seen(scale, sign), machine).message()),
+                AllOf(HasSubstr("_mm = "), HasSubstr("the nominal machine would read"), HasSubstr("units (mm, deg)"),
+                      HasSubstr("(the tracker stands where its readings fit best)")));
+  }
 }
 
 }  // namespace
