@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "absl/strings/match.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/log_form.h"
@@ -161,8 +162,12 @@ absl::Status UploadLogs(Context& context, const UploadArguments& arguments) {
   for (const std::string& path : arguments.paths) {
     RETURN_IF_ERROR(base::RequireFile(path));
     ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(path, static_cast<size_t>(records::kMaxLogBytes)));
-    const auto stored = client->PutLog(machine, fs::path(path).filename().string(), bytes, form);
-    if (!stored.ok()) return base::Within(path, stored.status());
+    const std::string name = fs::path(path).filename().string();
+    const auto stored = client->PutLog(machine, name, bytes, form);
+    if (!stored.ok()) {
+      const bool is_named = path == name && absl::StartsWith(stored.status().message(), name + ": ");
+      return is_named ? stored.status() : base::Within(path, stored.status());
+    }
     Json json = ToJson(stored->session);
     json["file"] = path;
     json["was_there"] = stored->was_there;

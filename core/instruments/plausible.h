@@ -16,9 +16,10 @@ namespace axiscal::instruments {
 inline constexpr double kMaxDisagreementMm = 50.0;
 
 // INVALID_ARGUMENT with line, number and session of the first reading that disagrees with the nominal machine by more
-// than kMaxDisagreementMm (not of instruments whose frame is not known beforehand: tracker), or of readings that
-// CheckAlive refuses. OK for instruments that this library does not know. The session must be valid and of this
-// machine; `readings_before` counts the readings before it where it is a part of a session.
+// than kMaxDisagreementMm (of a tracker, whose frame is not known beforehand, where its readings fit best, but for
+// reference targets; not of directions), or of readings that CheckAlive refuses. OK for instruments that this library
+// does not know. The session must be valid and of this machine; `readings_before` counts the readings before it where
+// it is a part of a session.
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine,
                             size_t readings_before = 0);
 
