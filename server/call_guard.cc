@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/base/mutex.h"
+#include "server/call_heads.h"
 #include "server/handlers/held_calls.h"
 
 namespace axiscal::server {
@@ -27,6 +28,7 @@ class Guard final : public grpc::Server::GlobalCallbacks {
     return limits_.max_replies;
   }
   void PreSynchronousRequest(grpc::ServerContext* context) override {
+    CallHeads::Hear(*context);
     ++begun_;  // before the lock, where a flood waits
     const base::MutexLock lock(mutex_);
     auto call = std::make_unique<HeldCall>(held_, limits_, HeldKind::kReply, [context] { context->TryCancel(); });

@@ -124,9 +124,9 @@ int PortOf(int socket) {
                                           : reinterpret_cast<sockaddr_in6*>(&bound)->sin6_port);
 }
 
-// With what it has brought. Closed by another thread meanwhile, one may be left out.
-void ForEachConnection(int port,
-                       const std::function<void(int descriptor, const std::string& peer, int64_t bytes)>& look) {
+// Closed by another thread meanwhile, one may be left out.
+void ForEachConnection(
+    int port, const std::function<void(int descriptor, const std::string& peer, const Traffic& traffic)>& look) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     int descriptor = -1;
@@ -135,7 +135,7 @@ void ForEachConnection(int port,
     tcp_info info = {};
     socklen_t size = sizeof(info);
     if (peer.empty() || getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) continue;
-    look(descriptor, peer, static_cast<int64_t>(info.tcpi_bytes_received));
+    look(descriptor, peer, {static_cast<int64_t>(info.tcpi_bytes_received), info.tcpi_notsent_bytes});
   }
 }
 
@@ -172,14 +172,14 @@ std::string PeerOf(int connection) {
 
 std::vector<std::string> PeersTo(int port) {
   std::vector<std::string> peers;
-  ForEachConnection(port, [&](int, const std::string& peer, int64_t) { peers.push_back(peer); });
+  ForEachConnection(port, [&](int, const std::string& peer, const Traffic&) { peers.push_back(peer); });
   return peers;
 }
 
-int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends) {
+int EndConnections(int port, const std::function<bool(const std::string& peer, const Traffic& traffic)>& ends) {
   int count = 0;
-  ForEachConnection(port, [&](int descriptor, const std::string& peer, int64_t bytes) {
-    if (bytes >= least_bytes && ends(peer)) count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
+  ForEachConnection(port, [&](int descriptor, const std::string& peer, const Traffic& traffic) {
+    if (ends(peer, traffic)) count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
   });
   return count;
 }

@@ -36,9 +36,15 @@ std::string PeerOf(int connection);
 // The peers (PeerOf) of the connections to `port` of this process.
 std::vector<std::string> PeersTo(int port);
 
-// Ends the connections to `port` of this process that have brought at least so many bytes and that `ends` chooses by
-// their peer (PeerOf); how many. Their calls are cancelled.
-int EndConnections(int port, int64_t least_bytes, const std::function<bool(const std::string& peer)>& ends);
+// Of a connection, in bytes.
+struct Traffic {
+  int64_t brought = 0;
+  int64_t untaken = 0;  // what was written to it and cannot be sent, as the other side takes nothing or not so fast
+};
+
+// Ends the connections to `port` of this process that `ends` chooses; how many. Their calls are cancelled. `peer`:
+// PeerOf().
+int EndConnections(int port, const std::function<bool(const std::string& peer, const Traffic& traffic)>& ends);
 
 class Listener {
  public:

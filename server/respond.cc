@@ -12,6 +12,7 @@
 #include "proto/convert/status.h"
 #include "server/access/named.h"
 #include "server/call_guard.h"
+#include "server/call_heads.h"
 #include "server/certificates.h"
 #include "server/log.h"
 
@@ -141,11 +142,12 @@ std::string RequestIdOf(const google::protobuf::Message& message) {
 }
 
 // Who calls, whether it may, and then the handler.
-absl::Status Pass(handlers::Core& core, const std::string& peer, const std::shared_ptr<Admission>& admission,
+absl::Status Pass(handlers::Core& core, const grpc::ServerContext& context, const std::shared_ptr<Admission>& admission,
                   const google::protobuf::Message* request, handlers::Call& call, std::string& request_id,
                   const std::function<absl::Status(const handlers::Call&)>& handler) {
   if (request != nullptr) request_id = RequestIdOf(*request);
   const absl::StatusOr<access::Identity> identified = admission->Identify();
+  CallHeads::SetKnown(context, identified.ok());
   if (!identified.ok()) {
     // Who tries one token after the other is counted by where he is.
     RETURN_IF_ERROR(core.rates.Take(call.peer));
@@ -154,7 +156,7 @@ absl::Status Pass(handlers::Core& core, const std::string& peer, const std::shar
   const access::Identity& identity = *identified;
   call.user = identity.name;
   if (!identity.is_local) {
-    core.known.Add(peer);
+    core.known.Add(context.peer());
     RETURN_IF_ERROR(core.rates.Take(identity.name));
     call.counted_as = identity.name;
   }
@@ -200,7 +202,7 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
   absl::Status status = caller.ok() ? CheckUser(says) : caller.status();
   if (status.ok()) {
     const auto admission = std::make_shared<Admission>(core.gate, caller->credentials, method);
-    status = Pass(core, caller->peer, admission, request, call, request_id, handler);
+    status = Pass(core, *context, admission, request, call, request_id, handler);
   }
   core.denied(call, method, status);
   --core.open_calls;

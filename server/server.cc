@@ -15,6 +15,7 @@
 #include "core/base/utf8.h"
 #include "proto/convert/job_params.h"
 #include "server/call_guard.h"
+#include "server/call_heads.h"
 #include "server/denials.h"
 #include "server/handlers/get_metrics.h"
 #include "server/handlers/get_server_info.h"
@@ -68,6 +69,9 @@ constexpr std::chrono::seconds kFloodLasts(5);
 constexpr int64_t kMuchOfAStranger = 32 << 10;
 // How often it is looked how many connections strangers have.
 constexpr std::chrono::milliseconds kStrangersLook(500);
+// What strangers are told is short: who leaves more of it than a hundred answers takes none, and what he is told stays
+// in gRPC's memory.
+constexpr int64_t kUntakenByAStranger = 16 << 10;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -278,15 +282,19 @@ class Server::Impl {
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
       if (!listener_->is_local_only() && !options_.tls.is_set()) return Unprotected(options_.listen_address);
-      std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+      std::shared_ptr<grpc::ServerCredentials> credentials =
+          core_.gate.asks() ? heads_.PlainCredentials() : grpc::InsecureServerCredentials();
       if (options_.tls.is_set()) {
         ASSIGN_OR_RETURN(tls_, Tls::Create(options_.tls, LogTls));
-        credentials = Tls::Credentials(tls_);
+        credentials = Tls::Credentials(tls_, heads_);
       }
       port_ = listener_->port();
       connections_ = builder.experimental().AddExternalConnectionAcceptor(
           grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
     }
+    std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+    interceptors.push_back(CallHeads::HealthCounter());
+    builder.experimental().SetInterceptorCreators(std::move(interceptors));
     if (!options_.http_address.empty()) RETURN_IF_ERROR(OpenHttp());
     services_ = MakeServices(core_);
     for (const std::unique_ptr<grpc::Service>& service : services_) builder.RegisterService(service.get());
@@ -372,6 +380,7 @@ class Server::Impl {
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Listener> listener_, http_listener_;
   PeerUsers peer_users_{[this](const std::string& peer) { return UserOfPeer(peer, port_); }};
+  CallHeads heads_{[this](const access::Credentials& shown) { return core_.gate.Identify(shown).status(); }};
   std::shared_ptr<Tls> tls_, http_tls_;  // each port asks by itself what is new
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
@@ -506,14 +515,14 @@ class Server::Impl {
   // say from where they come.
   void WatchFloods() {
     const base::MutexLock lock(housekeeper_mutex_);
-    int64_t before = UnheardCalls();
+    int64_t before = UnheardCalls() + heads_.refused();
     base::SteadyTime flood_until = base::SystemClock().SteadyNow();
     while (!stop_housekeeper_) {
       const base::SteadyTime next = base::SystemClock().SteadyNow() + kFloodLook;
       while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
         wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
       }
-      const int64_t now = UnheardCalls();
+      const int64_t now = UnheardCalls() + heads_.refused();
       if (now - before >= kMostUnheard) flood_until = base::SystemClock().SteadyNow() + kFloodLasts;
       if (!stop_housekeeper_ && base::SystemClock().SteadyNow() < flood_until) {
         housekeeper_mutex_.Unlock();
@@ -524,8 +533,9 @@ class Server::Impl {
     }
   }
   void EndStrangers(int64_t calls) {
-    const int count =
-        EndConnections(port_, kMuchOfAStranger, [this](const std::string& peer) { return !core_.known.Has(peer); });
+    const int count = EndConnections(port_, [this](const std::string& peer, const Traffic& traffic) {
+      return traffic.brought >= kMuchOfAStranger && !core_.known.Has(peer);
+    });
     if (count == 0 || !core_.told_refusals.Take("flood").ok()) return;
     Log(LogLevel::kWarning, "flood",
         {{"calls", absl::StrCat(calls)},
@@ -546,9 +556,19 @@ class Server::Impl {
       if (stop_housekeeper_) return;
       housekeeper_mutex_.Unlock();
       const std::set<std::string> peers = strangers.TooMany();
-      const int count = peers.empty() ? 0 : EndConnections(port_, 0, [&](const std::string& peer) {
-        return peers.contains(peer) && !core_.known.Has(peer);  // he may have called since
+      int untaken = 0, count = 0;
+      EndConnections(port_, [&](const std::string& peer, const Traffic& traffic) {
+        if (core_.known.Has(peer)) return false;  // he may have called since
+        const bool is_beyond = peers.contains(peer), takes_nothing = traffic.untaken >= kUntakenByAStranger;
+        count += is_beyond ? 1 : 0;
+        untaken += takes_nothing && !is_beyond ? 1 : 0;
+        return is_beyond || takes_nothing;
       });
+      if (untaken > 0 && core_.told_refusals.Take("untaken").ok()) {
+        Log(LogLevel::kWarning, "strangers",
+            {{"connections", absl::StrCat(untaken)},
+             {"text", "they had shown no identity and took nothing of what they were told: they were ended"}});
+      }
       if (count > 0 && core_.told_refusals.Take("strangers").ok()) {
         Log(LogLevel::kWarning, "strangers",
             {{"connections", absl::StrCat(count)},

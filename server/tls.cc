@@ -27,18 +27,18 @@ grpc_ssl_certificate_config_reload_status Fetch(void* tls, grpc_ssl_server_certi
 
 class TlsCredentials final : public grpc::ServerCredentials {
  public:
-  explicit TlsCredentials(std::shared_ptr<Tls> tls) : tls_(std::move(tls)) {
+  TlsCredentials(std::shared_ptr<Tls> tls, CallHeads& heads) : tls_(std::move(tls)) {
     const bool asks = !tls_->files().client_ca.empty();
     credentials_ =
         grpc_ssl_server_credentials_create_with_options(grpc_ssl_server_credentials_create_options_using_config_fetcher(
             asks ? kRequest : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE, &Fetch, tls_.get()));
+    heads.LookAt(credentials_);
   }
   ~TlsCredentials() override { grpc_server_credentials_release(credentials_); }
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:
-  static constexpr grpc_ssl_client_certificate_request_type kRequest =
-      GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY;
+  static constexpr grpc_ssl_client_certificate_request_type kRequest = GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY;
 
   int AddPortToServer(const std::string& address, grpc_server* server) override {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
@@ -55,8 +55,8 @@ absl::StatusOr<std::shared_ptr<Tls>> Tls::Create(const TlsFiles& files, Tell tel
   return std::shared_ptr<Tls>(new Tls(files, std::move(tell), clock, std::move(material)));
 }
 
-std::shared_ptr<grpc::ServerCredentials> Tls::Credentials(std::shared_ptr<Tls> tls) {
-  return std::make_shared<TlsCredentials>(std::move(tls));
+std::shared_ptr<grpc::ServerCredentials> Tls::Credentials(std::shared_ptr<Tls> tls, CallHeads& heads) {
+  return std::make_shared<TlsCredentials>(std::move(tls), heads);
 }
 
 void Tls::Look() {

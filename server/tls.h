@@ -13,6 +13,7 @@
 
 #include "core/base/clock.h"
 #include "core/base/mutex.h"
+#include "server/call_heads.h"
 #include "server/certificates.h"
 
 namespace axiscal::server {
@@ -27,8 +28,8 @@ class Tls {
                                                      base::Clock& clock = base::SystemClock());
 
   // What a server listens with; keeps `tls` alive. Callers without a certificate are let in, their calls say who they
-  // are; a certificate of another authority is refused.
-  static std::shared_ptr<grpc::ServerCredentials> Credentials(std::shared_ptr<Tls> tls);
+  // are; a certificate of another authority is refused. `heads` looks at their calls.
+  static std::shared_ptr<grpc::ServerCredentials> Credentials(std::shared_ptr<Tls> tls, CallHeads& heads);
 
   // What holds now; null: as it was when it was asked for last. Looks at the files at most once a second.
   std::optional<TlsMaterial> TakeNew();

@@ -12,6 +12,7 @@
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "grpc/health/v1/health.grpc.pb.h"
 #include "server/access/gate.h"
 #include "server/local_login.h"
 #include "server/server.h"
@@ -206,6 +207,102 @@ TEST_F(Hostile, CallsThatAreTakenBackAtOnceEndTheConnectionAndMakeNoThreads) {
   EXPECT_EQ(ended, kConnections);
   EXPECT_LT(threads, most_threads);
   ExpectServed();
+}
+
+// Calls whose message never comes: no handler hears of them, and gRPC holds nobody to its limit of calls who does not
+// acknowledge it.
+TEST_F(Hostile, CallsOfStrangersThatAreHeadsAloneAreFew) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  constexpr int kCalls = 100, kLeft = 4;
+  for (const std::string method : {"/axiscal.v1.Machines/ListMachines", "/grpc.health.v1.Health/Check"}) {
+    RawConnection connection(server_->address());
+    connection.Greet();
+    EXPECT_TRUE(connection.BeginHeads(method, {}, kCalls));
+    std::string seen;
+    EXPECT_EQ(connection.CountEnded(kCalls - kLeft, &seen), kCalls - kLeft) << method;
+    const bool is_health = method.find("health") != std::string::npos;
+    EXPECT_NE(seen.find(is_health ? "has shown no identity" : "who calls must show"), std::string::npos) << seen;
+  }
+  ExpectServed();
+}
+
+TEST_F(Hostile, CallsOfStrangersThatAreHeadsAloneTakeNoMemory) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  const int64_t peak_bytes = server_->PeakMemoryBytes();
+  constexpr int kConnections = 4, kCalls = 10'000;
+  std::vector<RawConnection> connections;
+  for (int i = 0; i < kConnections; ++i) {
+    connections.emplace_back(server_->address());
+    connections.back().Greet();
+    connections.back().BeginHeads("/axiscal.v1.Machines/ListMachines", {}, kCalls);
+  }
+  std::string seen;
+  for (RawConnection& connection : connections) connection.CountEnded(kCalls - 4, &seen);
+  EXPECT_LT(server_->PeakMemoryBytes(), peak_bytes + (64 << 20));
+  ExpectServed();
+}
+
+// Too slow for a flood. What a stranger is told and does not take waits in gRPC's memory.
+TEST_F(Hostile, StrangersThatTakeNoRefusalsAreEnded) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  RawConnection connection(server_->address(), 4096);
+  connection.Greet();
+  constexpr int kTogether = 8, kMost = 5'000;
+  int begun = 0;
+  while (begun < kMost && connection.BeginHeads("/axiscal.v1.Machines/ListMachines", {}, kTogether)) {
+    begun += kTogether;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_LT(begun, kMost);
+  ExpectServed();
+}
+
+// Whoever shows an identity with the head has just come and begins much together.
+TEST_F(Hostile, CallsOfWhoIsKnownWaitForTheirMessage) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  std::string token;
+  std::ifstream(dir_.File("token")) >> token;
+  RawConnection connection(server_->address());
+  connection.Greet();
+  EXPECT_TRUE(connection.BeginHeads("/axiscal.v1.Machines/ListMachines", {{"authorization", "Bearer " + token}}, 50));
+  EXPECT_TRUE(connection.BeginHeads("/none", {}, 1));  // answered without a message, and after what came before it
+  std::string seen;
+  EXPECT_EQ(connection.CountEnded(1, &seen), 1);
+  EXPECT_EQ(seen.find("who calls must show"), std::string::npos) << seen;
+}
+
+// A balancer asks for the health as long as it lives, and never shows who it is.
+TEST_F(Hostile, HealthIsToldToStrangersAFewCallsAtATime) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  const auto health = grpc::health::v1::Health::NewStub(Channel());
+  const auto check = [&] {
+    grpc::ClientContext context;
+    grpc::health::v1::HealthCheckResponse response;
+    return health->Check(&context, {}, &response);
+  };
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(check().ok()) << i;
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::vector<std::unique_ptr<grpc::ClientReader<grpc::health::v1::HealthCheckResponse>>> watches;
+  constexpr int kMost = 4;
+  for (int i = 0; i < kMost; ++i) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    watches.push_back(health->Watch(contexts.back().get(), {}));
+    grpc::health::v1::HealthCheckResponse response;
+    EXPECT_TRUE(watches.back()->Read(&response)) << i;
+  }
+  EXPECT_EQ(check().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  for (int i = 0; i < kMost; ++i) {
+    contexts[i]->TryCancel();
+    watches[i]->Finish();
+  }
+  constexpr int kTries = 600;
+  for (int i = 0; i < kTries && !check().ok(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(check().ok());
 }
 
 // Connections that have shown nobody: beyond what they may have the first give way, and nobody's who is known.

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "core/base/demand.h"
@@ -60,13 +61,14 @@ uint32_t NumberAt(const std::string& bytes, size_t at) {
 
 }  // namespace
 
-RawConnection::RawConnection(const std::string& address) {
+RawConnection::RawConnection(const std::string& address, int room_bytes) {
   const size_t colon = address.rfind(':');
   sockaddr_in to = {};
   to.sin_family = AF_INET;
   to.sin_port = htons(static_cast<uint16_t>(std::stoi(address.substr(colon + 1))));
   inet_pton(AF_INET, address.substr(0, colon).c_str(), &to.sin_addr);
   socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (room_bytes > 0) setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &room_bytes, sizeof(room_bytes));
   if (socket_ < 0 || connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof(to)) == 0) return;
   close(std::exchange(socket_, -1));
 }
@@ -209,6 +211,30 @@ RawConnection::HalfSent RawConnection::SendHalf(const std::string& method, int c
     }
     is_quiet = !has_sent && frames.empty();
   }
+}
+
+bool RawConnection::BeginHeads(const std::string& method,
+                               const std::vector<std::pair<std::string, std::string>>& metadata, int calls) {
+  const std::string head = Head(method, metadata);
+  for (int i = 0; i < calls; ++i, next_head_ += 2) {
+    if (!Send(Frame(kHeaders, kEndHeaders, next_head_, head))) return false;
+  }
+  return true;
+}
+
+int RawConnection::CountEnded(int most, std::string* seen) {
+  SetPatience(std::chrono::seconds(1));
+  const auto give_up_at = std::chrono::steady_clock::now() + kPatience;
+  std::set<uint32_t> ended;
+  std::vector<Received> frames;
+  while (static_cast<int>(ended.size()) < most && std::chrono::steady_clock::now() < give_up_at && Receive(frames)) {
+    for (const Received& frame : frames) {
+      if (frame.type == kHeaders) *seen += frame.payload;
+      if (frame.type == kRstStream || (frame.type == kHeaders && (frame.flags & kEndStream) != 0))
+        ended.insert(frame.stream);
+    }
+  }
+  return static_cast<int>(ended.size());
 }
 
 bool RawConnection::IsClosed() {

@@ -14,11 +14,13 @@ namespace axiscal::testing {
 // One TCP connection to "127.0.0.1:PORT"; closed when it goes.
 class RawConnection {
  public:
-  explicit RawConnection(const std::string& address);
+  // `room_bytes`: so much the system takes for this side until it is received; 0: what it finds right.
+  explicit RawConnection(const std::string& address, int room_bytes = 0);
   RawConnection(RawConnection&& other) noexcept
       : socket_(std::exchange(other.socket_, -1)),
         initial_window_bytes_(other.initial_window_bytes_),
-        unread_(std::move(other.unread_)) {}
+        unread_(std::move(other.unread_)),
+        next_head_(other.next_head_) {}
   RawConnection& operator=(RawConnection&&) = delete;
   ~RawConnection();
 
@@ -48,6 +50,13 @@ class RawConnection {
   // Greets, and sends of each of `calls` calls, 100 at a time, the first `bytes` of a message of 4 MB, as far as the
   // server lets it; returns when that is done, or the server lets nothing more pass for a second.
   HalfSent SendHalf(const std::string& method, int calls, int64_t bytes);
+  // After Greet(), without acknowledging the server's settings: begins calls and sends nothing but their heads; false
+  // where the connection has ended.
+  bool BeginHeads(const std::string& method, const std::vector<std::pair<std::string, std::string>>& metadata,
+                  int calls);
+  // How many of those the server ends, until there are `most`, the connection has ended or a minute has passed. `seen`
+  // gets what came.
+  int CountEnded(int most, std::string* seen);
   // Greets, and begins calls and takes each of them back at once, at most 20,000 a second, until the server ends the
   // connection or there were so many; how many.
   int BeginAndReset(const std::string& method, int calls);
@@ -68,7 +77,8 @@ class RawConnection {
   int socket_ = -1;
   uint32_t initial_window_bytes_ = 65'535;  // what HTTP/2 begins with
   std::string unread_;
-  bool has_lost_ = false;  // by another error than the server's end
+  uint32_t next_head_ = 1;  // the stream of the next call of BeginHeads()
+  bool has_lost_ = false;   // by another error than the server's end
 };
 
 }  // namespace axiscal::testing

@@ -1,0 +1,66 @@
+// What is decided when the head of a call is there, before its message. gRPC 1.51 tells no handler of a call whose
+// message has not come, keeps it as long as its connection lives, some 12 KB, and holds a client to its limit of calls
+// only once the client has acknowledged that limit.
+#ifndef AXISCAL_SERVER_CALL_HEADS_H_
+#define AXISCAL_SERVER_CALL_HEADS_H_
+
+#include <grpc/grpc_security.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_interceptor.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+#include "core/base/mutex.h"
+#include "core/base/status.h"
+#include "server/access/gate.h"
+
+namespace axiscal::server {
+
+// Lets a connection that has shown no identity have few calls that wait for their message, or are of health; what it
+// begins beyond them shows an identity with its head or is refused there, with the code and words of a handler, but
+// without details: gRPC sends none for it. Safe from any thread.
+class CallHeads {
+ public:
+  // Of each such connection. One that takes a call back before its message has come has one less from then on. Honest
+  // ones have one at a time, and two thousand connections with as many each fit the memory of a small server.
+  static constexpr int kMostOfAStranger = 4;
+  // UNAUTHENTICATED, or why it cannot be told (Gate::Identify()).
+  using Identify = std::function<absl::Status(const access::Credentials&)>;
+
+  explicit CallHeads(Identify identify) : identify_(std::move(identify)) {}
+  CallHeads(const CallHeads&) = delete;
+  CallHeads& operator=(const CallHeads&) = delete;
+
+  // From then on, of all connections that come by these credentials. They are used no longer than this lives.
+  void LookAt(grpc_server_credentials* credentials);
+  // Those of connections without TLS, looked at.
+  std::shared_ptr<grpc::ServerCredentials> PlainCredentials();
+  // What counts the calls of health, for each server whose connections are looked at.
+  static std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> HealthCounter();
+
+  // The message of a call has come, or its handler waits for it. Calls of connections that are not looked at are let
+  // be.
+  static void Hear(const grpc::ServerContextBase& call);
+  // Whether the caller of a call on this connection is known; as long as the last one is, the connection is no
+  // stranger's.
+  static void SetKnown(const grpc::ServerContextBase& call, bool is_known);
+
+  // Calls so far.
+  int64_t refused() const { return refused_; }
+
+ private:
+  static void Process(void* heads, grpc_auth_context* connection, const grpc_metadata* metadata, size_t count,
+                      grpc_process_auth_metadata_done_cb done, void* done_data);
+  absl::Status Look(grpc_auth_context* connection, const grpc_metadata* metadata, size_t count);
+
+  const Identify identify_;
+  std::atomic<int64_t> refused_ = 0;
+  base::Mutex mutex_;  // held while a connection gets its notes: its first calls may come on several threads
+};
+
+}  // namespace axiscal::server
+
+#endif  // AXISCAL_SERVER_CALL_HEADS_H_
