@@ -72,6 +72,8 @@ constexpr std::chrono::milliseconds kStrangersLook(500);
 // What strangers are told is short: who leaves more of it than a hundred answers takes none, and what he is told stays
 // in gRPC's memory.
 constexpr int64_t kUntakenByAStranger = 16 << 10;
+// Beyond so many peers that are known, 100 bytes each, those whose connections are gone are forgotten.
+constexpr size_t kManyKnown = 65'536;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -555,6 +557,7 @@ class Server::Impl {
       }
       if (stop_housekeeper_) return;
       housekeeper_mutex_.Unlock();
+      core_.known.ForgetGone(kManyKnown, [this] { return PeersTo(port_); });
       const std::set<std::string> peers = strangers.TooMany();
       int untaken = 0, count = 0;
       EndConnections(port_, [&](const std::string& peer, const Traffic& traffic) {

@@ -11,13 +11,24 @@ std::string Plain(const std::string& peer) { return absl::StrReplaceAll(peer, {{
 
 void KnownPeers::Add(const std::string& peer) {
   const base::MutexLock lock(mutex_);
-  if (peers_.size() >= kMost) peers_.clear();
   peers_.insert(Plain(peer));
 }
 
 void KnownPeers::Forget(const std::string& peer) {
   const base::MutexLock lock(mutex_);
   peers_.erase(Plain(peer));
+}
+
+void KnownPeers::ForgetGone(size_t most, const std::function<std::vector<std::string>()>& connected) {
+  std::set<std::string> gone;
+  {
+    const base::MutexLock lock(mutex_);
+    if (peers_.size() <= most) return;
+    gone = peers_;
+  }
+  for (const std::string& peer : connected()) gone.erase(Plain(peer));
+  const base::MutexLock lock(mutex_);
+  for (const std::string& peer : gone) peers_.erase(peer);
 }
 
 bool KnownPeers::Has(const std::string& peer) const {

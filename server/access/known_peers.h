@@ -2,8 +2,11 @@
 #ifndef AXISCAL_SERVER_ACCESS_KNOWN_PEERS_H_
 #define AXISCAL_SERVER_ACCESS_KNOWN_PEERS_H_
 
+#include <cstddef>
+#include <functional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/base/mutex.h"
 
@@ -16,12 +19,11 @@ class KnownPeers {
   void Add(const std::string& peer);
   // A connection has come: who had its address before is gone.
   void Forget(const std::string& peer);
+  // Where more than `most` are known: all that `connected` does not name, of those that were known before it was asked.
+  void ForgetGone(size_t most, const std::function<std::vector<std::string>()>& connected);
   bool Has(const std::string& peer) const;
 
  private:
-  // Beyond it all are forgotten: who is taken for a stranger then, and is cut off in a flood, calls again.
-  static constexpr size_t kMost = 65'536;
-
   mutable base::Mutex mutex_;
   std::set<std::string> peers_ AXISCAL_GUARDED_BY(mutex_);
 };
