@@ -63,7 +63,7 @@ absl::StatusOr<Inputs> FindInputs(const std::vector<std::string>& paths) {
 // Descriptions by id: those of the folders are stored when the server has none, the others come from the server.
 class Machines {
  public:
-  Machines(client::Client& client) : client_(client) {}
+  explicit Machines(client::Client& client) : client_(client) {}
 
   absl::Status AddFile(const std::string& path) {
     ASSIGN_OR_RETURN(machine::Machine machine, machine::ReadMachineFile(path));
