@@ -4,8 +4,6 @@
 #include <grpc/slice.h>
 #include <grpcpp/security/auth_context.h>
 
-#include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -68,8 +66,7 @@ access::Credentials CredentialsOf(const grpc_auth_context* connection, const grp
   access::Credentials credentials;
   credentials.authorization = Metadata(metadata, count, "authorization");
   if (grpc_auth_context_peer_is_authenticated(connection) == 0) return credentials;
-  credentials.certificate_name = Property(connection, "x509_common_name");
-  if (const auto pem = Property(connection, "x509_pem_cert")) credentials.certificate_ends = EndOfCertificate(*pem);
+  TakeCertificate([connection](const char* name) { return Property(connection, name); }, credentials);
   return credentials;
 }
 
@@ -117,6 +114,12 @@ class HealthCounterFactory final : public grpc::experimental::ServerInterceptorF
 };
 
 }  // namespace
+
+void TakeCertificate(const std::function<std::optional<std::string>(const char* name)>& property,
+                     access::Credentials& credentials) {
+  credentials.certificate_name = property("x509_common_name");
+  if (const auto pem = property("x509_pem_cert")) credentials.certificate_ends = EndOfCertificate(*pem);
+}
 
 void CallHeads::LookAt(grpc_server_credentials* credentials) {
   grpc_server_credentials_set_auth_metadata_processor(credentials, {&CallHeads::Process, nullptr, this});

@@ -12,12 +12,19 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "core/base/mutex.h"
 #include "core/base/status.h"
 #include "server/access/gate.h"
 
 namespace axiscal::server {
+
+// What TLS has verified of a connection, into the credentials of a call on it. `property`: the one value of a property
+// of the connection, if it has one; tokens, which are of one call, are not among them.
+void TakeCertificate(const std::function<std::optional<std::string>(const char* name)>& property,
+                     access::Credentials& credentials);
 
 // Lets a connection that has shown no identity have few calls that wait for their message, or are of health; what it
 // begins beyond them shows an identity with its head or is refused there, with the code and words of a handler, but

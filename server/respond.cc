@@ -13,7 +13,6 @@
 #include "server/access/named.h"
 #include "server/call_guard.h"
 #include "server/call_heads.h"
-#include "server/certificates.h"
 #include "server/log.h"
 
 namespace axiscal::server {
@@ -56,11 +55,9 @@ absl::StatusOr<access::ForwardedCaller> CallerOf(const handlers::Core& core, con
     return caller;
   }
   credentials.authorization = Metadata(context, "authorization");
-  // The connection's properties are what TLS has verified; tokens, which are of one call, are not among them.
   const std::shared_ptr<const grpc::AuthContext> connection = context.auth_context();
   if (connection == nullptr || !connection->IsPeerAuthenticated()) return caller;
-  credentials.certificate_name = Property(*connection, "x509_common_name");
-  if (const auto pem = Property(*connection, "x509_pem_cert")) credentials.certificate_ends = EndOfCertificate(*pem);
+  TakeCertificate([&connection](const char* name) { return Property(*connection, name); }, credentials);
   return caller;
 }
 
