@@ -19,6 +19,7 @@
 #include "server/denials.h"
 #include "server/handlers/get_metrics.h"
 #include "server/handlers/get_server_info.h"
+#include "server/housekeeper.h"
 #include "server/http/http_server.h"
 #include "server/jobs/close_loop_job.h"
 #include "server/jobs/compensate_job.h"
@@ -28,13 +29,13 @@
 #include "server/listener.h"
 #include "server/local_login.h"
 #include "server/log.h"
+#include "server/log_job.h"
+#include "server/open_store.h"
+#include "server/rights_watch.h"
 #include "server/routines/keeper.h"
 #include "server/service.h"
-#include "server/storage/file_mode.h"
-#include "server/storage/postgres_database.h"
 #include "server/storage/postgres_url.h"
-#include "server/storage/sqlite_database.h"
-#include "server/strangers.h"
+#include "server/stranger_watch.h"
 #include "server/tls.h"
 #include "server/watch/watcher.h"
 #include "server/webhooks/sender.h"
@@ -45,8 +46,6 @@ namespace {
 constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
 // How often the end of the last call is looked for, and how long connections may take to hear of the end.
 constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
-// How often uploads that were left are looked for. A crash loses so much of the time that counts for them.
-constexpr std::chrono::minutes kHousekeeping(10);
 // How soon a balancer hears that a store which others share does not answer: it takes some seconds itself.
 constexpr std::chrono::seconds kAsksStore(2);
 // Clients may ask so often whether we are there; more often they are sent away.
@@ -57,23 +56,6 @@ constexpr int kMaxAnswerBytes = 256 << 20;
 constexpr int kMaxCallsOfConnection = 1000;
 // Of gRPC's threads beside those that have a call: they wait for the next one.
 constexpr int kThreadsOfGrpc = 100;
-// How often it is looked whether calls flood in that no handler hears of, and how many of them are a flood: more than
-// people and dashboards that change their mind, or clients whose deadlines are over, take back. Until it is looked, all
-// that come are in memory, 20 KB each.
-constexpr std::chrono::milliseconds kFloodLook(10);
-constexpr int64_t kMostUnheard = 20;
-// After one it is looked for its connections so long: their calls wait in gRPC, and are counted when they have a
-// thread.
-constexpr std::chrono::seconds kFloodLasts(5);
-// Who has brought so much and shown no identity is no caller that has just come: TLS and a first call take a fifth.
-constexpr int64_t kMuchOfAStranger = 32 << 10;
-// How often it is looked how many connections strangers have.
-constexpr std::chrono::milliseconds kStrangersLook(500);
-// What strangers are told is short: who leaves more of it than a hundred answers takes none, and what he is told stays
-// in gRPC's memory.
-constexpr int64_t kUntakenByAStranger = 16 << 10;
-// Beyond so many peers that are known, 100 bytes each, those whose connections are gone are forgotten.
-constexpr size_t kManyKnown = 65'536;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -94,32 +76,6 @@ std::string HostOf(const std::string& address) {
 }
 
 bool Asks(const ServerOptions& options) { return options.asks_identity || options.tls.is_set(); }
-
-LogLevel LevelOf(const std::string& outcome) {
-  if (outcome == "DEAD") return LogLevel::kError;
-  return outcome.empty() || outcome == "SUCCEEDED" || outcome == "CANCELLED" || outcome == "PARKED"
-             ? LogLevel::kInfo
-             : LogLevel::kWarning;
-}
-
-void LogJob(const jobs::JobEvent& event) {
-  const records::JobRecord& job = event.job;
-  LogFields fields = {{"job", absl::StrCat(job.id.number())},
-                      {"kind", job.kind},
-                      {"machine", job.machine ? job.machine->text() : ""},
-                      {"attempt", absl::StrCat(job.attempt)}};
-  if (!job.request_id.empty()) fields.push_back({"request", job.request_id});
-  if (!job.trace.empty()) fields.push_back({"trace", job.trace});
-  const bool is_over = event.what != jobs::JobEvent::What::kStarted;
-  if (is_over) fields.push_back({"outcome", event.outcome});
-  if (event.took) fields.push_back({"ms", absl::StrFormat("%.3f", static_cast<double>(event.took->count()) / 1e3)});
-  if (is_over && job.error && job.state != records::JobState::kSucceeded) {
-    fields.push_back({"reason", job.error->reason});
-    fields.push_back({"text", job.error->message});
-  }
-  const bool is_lost = event.what == jobs::JobEvent::What::kLost;
-  Log(LevelOf(event.outcome), !is_over ? "job_start" : is_lost ? "job_lost" : "job_end", fields);
-}
 
 void LogTls(const absl::Status& taken) {
   if (taken.ok()) {
@@ -154,83 +110,7 @@ void SetChannelArguments(const ServerOptions& options, int calls, grpc::ServerBu
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
 }
 
-// The store that `database` names, a file or a URL of PostgreSQL, and what it tells goes into the log.
-absl::StatusOr<std::unique_ptr<storage::Database>> OpenStore(const std::string& database) {
-  const auto rescued = [](const records::JobRecord& job) {
-    LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
-  };
-  const auto damaged = [](const absl::Status& status) {
-    const std::string reason = base::ErrorReason(status);
-    Log(LogLevel::kWarning, "damaged",
-        {{"reason", reason},
-         {"text", std::string(status.message())},
-         {"then", reason == "HISTORY_DAMAGED" ? "histories leave it out; axiscald check names all, a backup has it"
-                                              : "it is being sent again, and stored anew"}});
-  };
-  if (storage::IsPostgresUrl(database)) {
-    storage::PostgresOptions options;
-    options.url = database;
-    options.rescued = rescued;
-    options.damaged = damaged;
-    return storage::OpenPostgres(options);
-  }
-  storage::SqliteOptions options;
-  options.path = database;
-  options.rescued = rescued;
-  options.damaged = damaged;
-  ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> store, storage::OpenSqlite(options));
-  if (const std::vector<std::string> files = storage::OpenToOthers(database); !files.empty()) {
-    Log(LogLevel::kWarning, "readable_by_others",
-        {{"files", absl::StrJoin(files, ", ")}, {"text", "everybody on this machine may read them: chmod 600"}});
-  }
-  return store;
-}
-
 }  // namespace
-
-absl::Status Validate(const ServerOptions& options) {
-  const auto refuse = [](const std::string& text) { return absl::InvalidArgumentError(text); };
-  if (options.database_path.empty()) return refuse("database_path is empty, must name a file or a database");
-  if (options.workers < 1 || options.workers > kMaxWorkers) {
-    return refuse(absl::StrCat("workers = ", options.workers, ", must be 1 to ", kMaxWorkers, ": each uses one core"));
-  }
-  if (options.max_uploads < 1 || options.max_uploads > kMaxUploads) {
-    return refuse(absl::StrCat("max_uploads = ", options.max_uploads, ", must be 1 to ", kMaxUploads));
-  }
-  if (options.streams_per_principal < 1 || options.streams_per_principal > kMaxUploads) {
-    return refuse(
-        absl::StrCat("streams_per_principal = ", options.streams_per_principal, ", must be 1 to ", kMaxUploads));
-  }
-  if (options.calls_per_second < 1 || options.calls_per_second > kMaxCallsPerSecond) {
-    return refuse(absl::StrCat("calls_per_second = ", options.calls_per_second, ", must be 1 to ", kMaxCallsPerSecond));
-  }
-  for (const auto& [name, jobs] :
-       {std::pair("jobs_per_principal", options.jobs_per_principal), {"jobs_per_machine", options.jobs_per_machine}}) {
-    if (jobs < 1 || jobs > kMaxJobs) return refuse(absl::StrCat(name, " = ", jobs, ", must be 1 to ", kMaxJobs));
-  }
-  if (options.session_readings < 1 || options.program_bytes < 1)
-    return refuse("session_readings and program_bytes must be > 0");
-  const std::chrono::milliseconds longest = std::chrono::hours(24);
-  for (const auto& [name, time] :
-       {std::pair("silence", options.silence), {"connection_idle", options.connection_idle}}) {
-    if (time.count() >= 1 && time <= longest) continue;
-    return refuse(absl::StrCat(name, " = ", time.count(), " ms, must be 1 to ", longest.count()));
-  }
-  if (options.window_bytes < kMinWindowBytes || options.window_bytes > kMaxWindowBytes) {
-    return refuse(
-        absl::StrCat("window_bytes = ", options.window_bytes, ", must be ", kMinWindowBytes, " to ", kMaxWindowBytes));
-  }
-  if (options.waiting_bytes < kMinWaitingBytes)
-    return refuse(absl::StrCat("waiting_bytes = ", options.waiting_bytes, ", must be >= ", kMinWaitingBytes));
-  if (options.strangers < 1) return refuse(absl::StrCat("strangers = ", options.strangers, ", must be > 0"));
-  // Of one there would be nothing left for the others (handlers::Budget), so that nobody got it.
-  if (options.http_bytes < 2 || options.http_requests < 2)
-    return refuse(absl::StrCat("http_bytes = ", options.http_bytes, ", http_requests = ", options.http_requests,
-                               ", both must be > 1"));
-  if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
-  if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
-  return absl::OkStatus();
-}
 
 class Server::Impl {
  public:
@@ -322,17 +202,16 @@ class Server::Impl {
     if (listener_ != nullptr) StartListening();
     if (http_listener_ != nullptr) StartHttp();
     if (core_.gate.asks()) {
-      asker_ = std::thread([this] { AskAgain(); });
-      flood_watch_ = std::thread([this] { WatchFloods(); });
-      if (port_ != 0) strangers_watch_ = std::thread([this] { WatchStrangers(); });
+      rights_watch_.Start();
+      stranger_watch_.emplace(port_, options_.strangers, core_.known, heads_, core_.told_refusals).Start();
     }
     database_->Follow([this](const storage::News& news) { Hear(news); });
     runner_.Start();
     watcher_.Start();
     keeper_.Start();
     if (sender_ != nullptr) sender_->Start();
-    housekeeper_ = std::thread([this] { KeepHouse(); });
-    if (database_->is_shared()) readiness_ = std::thread([this] { FollowStore(); });
+    housekeeper_.Start();
+    if (database_->is_shared()) store_looks_.Start(Rounds::Begin::kAtOnce, kAsksStore, [this] { LookAtStore(); });
     return absl::OkStatus();
   }
 
@@ -342,7 +221,7 @@ class Server::Impl {
     const base::MutexLock lock(shutdown_mutex_);
     if (server_ == nullptr) return;
     Log(LogLevel::kInfo, "drain", {});
-    StopFollowingStore();
+    store_looks_.Stop();
     server_->GetHealthCheckService()->SetServingStatus(false);
     core_.draining = true;
     const base::SteadyTime deadline = base::SystemClock().SteadyNow() + options_.drain;
@@ -361,8 +240,10 @@ class Server::Impl {
     server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
     http_.reset();
     server_.reset();
-    StopHousekeeper();
-    WriteDenials(true);
+    housekeeper_.Stop();
+    rights_watch_.Stop();
+    stranger_watch_.reset();
+    rights_watch_.WriteDenials(true);
     Log(LogLevel::kInfo, "stopped", {});
   }
 
@@ -467,152 +348,6 @@ class Server::Impl {
     http_listener_->Start([this](int, int connection) { http_->Take(connection); }, TellRefused);
   }
 
-  // Drops what uploaders have left, now and every kHousekeeping.
-  void KeepHouse() {
-    const base::MutexLock lock(housekeeper_mutex_);
-    while (!stop_housekeeper_) {
-      LogExpired("sessions", database_->ExpireSessions(options_.session_expiry));
-      WarnOfCertificates();
-      LogExpired("programs", database_->ExpirePrograms(options_.session_expiry));
-      if (options_.keep_readings.count() > 0) LogExpired("readings", database_->ExpireReadings(options_.keep_readings));
-      ExpireAudit();
-      const base::SteadyTime next = base::SystemClock().SteadyNow() + kHousekeeping;
-      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
-        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
-      }
-    }
-  }
-
-  // Some at a time, so that other writes go on between.
-  void ExpireAudit() {
-    if (options_.keep_audit.count() == 0) return;
-    absl::StatusOr<int> count = 1;
-    for (int total = 0; count.ok() && *count > 0; total += *count) {
-      count = database_->ExpireAudit(options_.keep_audit);
-      if (!count.ok() || *count == 0) LogExpired("audit", count.ok() ? total : count);
-    }
-  }
-
-  // Cuts off open calls of principals that were revoked or have lost a role.
-  void AskAgain() {
-    const base::MutexLock lock(housekeeper_mutex_);
-    while (!stop_housekeeper_) {
-      const base::SteadyTime next = base::SystemClock().SteadyNow() + options_.ask_again;
-      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
-        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
-      }
-      if (stop_housekeeper_) return;
-      housekeeper_mutex_.Unlock();
-      const int count = core_.open.CutOffRefused();
-      CancelRefusedJobs();
-      WriteDenials(false);
-      if (count > 0)
-        Log(LogLevel::kWarning, "cut_off",
-            {{"calls", absl::StrCat(count)}, {"text", "their callers may no longer make them"}});
-      housekeeper_mutex_.Lock();
-    }
-  }
-
-  // Ends connections of strangers while calls come that no handler hears of: gRPC has those without bound, and does not
-  // say from where they come.
-  void WatchFloods() {
-    const base::MutexLock lock(housekeeper_mutex_);
-    int64_t before = UnheardCalls() + heads_.refused();
-    base::SteadyTime flood_until = base::SystemClock().SteadyNow();
-    while (!stop_housekeeper_) {
-      const base::SteadyTime next = base::SystemClock().SteadyNow() + kFloodLook;
-      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
-        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
-      }
-      const int64_t now = UnheardCalls() + heads_.refused();
-      if (now - before >= kMostUnheard) flood_until = base::SystemClock().SteadyNow() + kFloodLasts;
-      if (!stop_housekeeper_ && base::SystemClock().SteadyNow() < flood_until) {
-        housekeeper_mutex_.Unlock();
-        EndStrangers(now - before);
-        housekeeper_mutex_.Lock();
-      }
-      before = now;
-    }
-  }
-  void EndStrangers(int64_t calls) {
-    const int count = EndConnections(port_, [this](const std::string& peer, const Traffic& traffic) {
-      return traffic.brought >= kMuchOfAStranger && !core_.known.Has(peer);
-    });
-    if (count == 0 || !core_.told_refusals.Take("flood").ok()) return;
-    Log(LogLevel::kWarning, "flood",
-        {{"calls", absl::StrCat(calls)},
-         {"connections", absl::StrCat(count)},
-         {"text", "calls that no handler heard of: connections that brought much and showed no identity were ended"}});
-  }
-
-  // Ends the first connections of strangers where there are too many.
-  void WatchStrangers() {
-    Strangers strangers(port_, static_cast<size_t>(options_.strangers),
-                        [this](const std::string& peer) { return core_.known.Has(peer); });
-    const base::MutexLock lock(housekeeper_mutex_);
-    while (!stop_housekeeper_) {
-      const base::SteadyTime next = base::SystemClock().SteadyNow() + kStrangersLook;
-      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
-        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
-      }
-      if (stop_housekeeper_) return;
-      housekeeper_mutex_.Unlock();
-      core_.known.ForgetGone(kManyKnown, [this] { return PeersTo(port_); });
-      const std::set<std::string> peers = strangers.TooMany();
-      int untaken = 0, count = 0;
-      EndConnections(port_, [&](const std::string& peer, const Traffic& traffic) {
-        if (core_.known.Has(peer)) return false;  // he may have called since
-        const bool is_beyond = peers.contains(peer), takes_nothing = traffic.untaken >= kUntakenByAStranger;
-        count += is_beyond ? 1 : 0;
-        untaken += takes_nothing && !is_beyond ? 1 : 0;
-        return is_beyond || takes_nothing;
-      });
-      if (untaken > 0 && core_.told_refusals.Take("untaken").ok()) {
-        Log(LogLevel::kWarning, "strangers",
-            {{"connections", absl::StrCat(untaken)},
-             {"text", "they had shown no identity and took nothing of what they were told: they were ended"}});
-      }
-      if (count > 0 && core_.told_refusals.Take("strangers").ok()) {
-        Log(LogLevel::kWarning, "strangers",
-            {{"connections", absl::StrCat(count)},
-             {"text",
-              "more connections than are allowed had shown no identity: the first of the host that has most were "
-              "ended"}});
-      }
-      housekeeper_mutex_.Lock();
-    }
-  }
-
-  // Jobs whose creators may no longer create them.
-  void CancelRefusedJobs() {
-    for (const records::JobState state : {records::JobState::kRunning, records::JobState::kQueued}) {
-      records::PageRequest page{1000, ""};
-      do {
-        const auto jobs = database_->ListJobs({{}, state, ""}, page);
-        if (!jobs.ok()) return Log(LogLevel::kWarning, "ask_again", {{"text", std::string(jobs.status().message())}});
-        for (const records::JobRecord& job : jobs->rows) CancelIfRefused(job);
-        page.token = jobs->next_token;
-      } while (!page.token.empty());
-    }
-  }
-  void CancelIfRefused(const records::JobRecord& job) {
-    if (job.cancel_requested) return;
-    std::vector<storage::Resource> named;
-    if (job.machine) named.push_back({storage::ResourceKind::kMachine, job.machine->text(), 0});
-    const absl::Status may = core_.gate.MayStill(job.created_by, "Jobs.CreateJob", named);
-    if (!absl::IsNotFound(may) && !absl::IsPermissionDenied(may) && !absl::IsUnauthenticated(may)) return;
-    const absl::Status cancelled = runner_.Cancel(job.id, {"axiscald", ""}).status();
-    Log(LogLevel::kWarning, "cut_off",
-        {{"job", absl::StrCat(job.id.number())},
-         {"text", cancelled.ok() ? "its creator, " + job.created_by + ", may no longer create it"
-                                 : std::string(cancelled.message())}});
-  }
-
-  void WriteDenials(bool all) {
-    const absl::Status written = denials_.Write(*database_, all);
-    if (!written.ok()) Log(LogLevel::kWarning, "audit", {{"text", std::string(written.message())}});
-  }
-
   // Of a caller within this process, or on this machine.
   std::string LoginOf(const std::string& peer) {
     if (listener_ == nullptr) return LoginOfProcess();
@@ -627,73 +362,23 @@ class Server::Impl {
                : "one-of-" + absl::StrJoin(users, "-", [](std::string* out, uid_t user) { *out += LoginOfUser(user); });
   }
 
-  void WarnOfCertificates() {
-    if (tls_ == nullptr) return;
-    for (const std::string& sentence : end_warnings_.Due(tls_->certificates(), base::SystemClock().UtcNow()))
-      Log(LogLevel::kWarning, "certificate_ends", {{"text", sentence}});
-  }
-
-  static void LogExpired(const std::string& what, const absl::StatusOr<int>& count) {
-    if (!count.ok()) {
-      Log(LogLevel::kWarning, "expire", {{"text", std::string(count.status().message())}});
-    } else if (*count > 0) {
-      Log(LogLevel::kInfo, "expire", {{what, absl::StrCat(*count)}});
-    }
-  }
-
   // Ready is who can read the store: a balancer sends calls to others meanwhile.
-  void FollowStore() {
-    bool was_ready = true;
-    const base::MutexLock lock(readiness_mutex_);
-    while (!stop_readiness_) {
-      readiness_mutex_.Unlock();
-      const absl::Status answer = database_->JobVersions({}).status();
-      readiness_mutex_.Lock();
-      if (stop_readiness_) return;
-      if (answer.ok() != was_ready) {
-        was_ready = answer.ok();
-        Log(was_ready ? LogLevel::kInfo : LogLevel::kError, was_ready ? "ready" : "not_ready",
-            {{"error", was_ready ? "" : answer.ToString()}});
-        server_->GetHealthCheckService()->SetServingStatus(was_ready);
-      }
-      wake_readiness_.WaitUntil(readiness_mutex_, base::SystemClock().SteadyNow() + kAsksStore);
-    }
+  void LookAtStore() {
+    const absl::Status answer = database_->JobVersions({}).status();
+    if (answer.ok() == was_ready_) return;
+    was_ready_ = answer.ok();
+    Log(was_ready_ ? LogLevel::kInfo : LogLevel::kError, was_ready_ ? "ready" : "not_ready",
+        {{"error", was_ready_ ? "" : answer.ToString()}});
+    server_->GetHealthCheckService()->SetServingStatus(was_ready_);
   }
 
-  void StopFollowingStore() {
-    {
-      const base::MutexLock lock(readiness_mutex_);
-      stop_readiness_ = true;
-      wake_readiness_.NotifyAll();
-    }
-    if (readiness_.joinable()) readiness_.join();
-  }
-
-  void StopHousekeeper() {
-    {
-      const base::MutexLock lock(housekeeper_mutex_);
-      stop_housekeeper_ = true;
-      wake_housekeeper_.NotifyAll();
-    }
-    if (housekeeper_.joinable()) housekeeper_.join();
-    if (asker_.joinable()) asker_.join();
-    if (flood_watch_.joinable()) flood_watch_.join();
-    if (strangers_watch_.joinable()) strangers_watch_.join();
-  }
-
-  base::Mutex housekeeper_mutex_;
-  base::CondVar wake_housekeeper_;
-  bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
-  EndWarnings end_warnings_;  // the housekeeper's alone
-  base::Mutex readiness_mutex_;
-  base::CondVar wake_readiness_;
-  bool stop_readiness_ AXISCAL_GUARDED_BY(readiness_mutex_) = false;
-  std::thread readiness_;
-  std::thread housekeeper_;
-  std::thread asker_;
-  std::thread flood_watch_;
-  std::thread strangers_watch_;
+  bool was_ready_ = true;  // the thread's alone that looks at the store
+  Rounds store_looks_;
   Denials denials_;
+  std::optional<StrangerWatch> stranger_watch_;
+  RightsWatch rights_watch_{core_, denials_, options_.ask_again};
+  Housekeeper housekeeper_{*database_, options_,
+                           [this] { return tls_ == nullptr ? std::vector<Certificate>() : tls_->certificates(); }};
 
   watch::WatcherOptions WatcherOptions() {
     watch::WatcherOptions watcher;
