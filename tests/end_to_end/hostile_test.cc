@@ -247,6 +247,34 @@ TEST_F(Hostile, CallsOfStrangersThatAreHeadsAloneTakeNoMemory) {
   ExpectServed();
 }
 
+// All at once: gRPC begins the calls of a whole read before it looks at the first head. The allocator would keep their
+// memory for good.
+TEST_F(Hostile, WhatABurstOfHeadsTookIsGivenBack) {
+  AddAdmin();
+  StartServer({"--ask-identity"});
+  const int64_t before_bytes = server_->MemoryBytes();
+  constexpr int kConnections = 400, kCalls = 900;
+  {
+    std::vector<std::thread> bursts;
+    for (int i = 0; i < kConnections; ++i) {
+      bursts.emplace_back([this] {
+        RawConnection connection(server_->address());
+        connection.Greet();
+        connection.BeginHeads("/axiscal.v1.Machines/ListMachines", {}, kCalls);
+        connection.WaitForClose();
+      });
+    }
+    for (std::thread& burst : bursts) burst.join();
+  }
+  constexpr int64_t kLeft = 48 << 20;  // threads and connections of gRPC itself
+  const auto give_up_at = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (server_->MemoryBytes() > before_bytes + kLeft && std::chrono::steady_clock::now() < give_up_at)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_GT(server_->PeakMemoryBytes(), before_bytes + kLeft);  // there was something to give back
+  EXPECT_LE(server_->MemoryBytes(), before_bytes + kLeft);
+  ExpectServed();
+}
+
 // Too slow for a flood. What a stranger is told and does not take waits in gRPC's memory.
 TEST_F(Hostile, StrangersThatTakeNoRefusalsAreEnded) {
   AddAdmin();

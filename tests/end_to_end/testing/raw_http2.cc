@@ -216,10 +216,9 @@ RawConnection::HalfSent RawConnection::SendHalf(const std::string& method, int c
 bool RawConnection::BeginHeads(const std::string& method,
                                const std::vector<std::pair<std::string, std::string>>& metadata, int calls) {
   const std::string head = Head(method, metadata);
-  for (int i = 0; i < calls; ++i, next_head_ += 2) {
-    if (!Send(Frame(kHeaders, kEndHeaders, next_head_, head))) return false;
-  }
-  return true;
+  std::string heads;
+  for (int i = 0; i < calls; ++i, next_head_ += 2) heads += Frame(kHeaders, kEndHeaders, next_head_, head);
+  return Send(heads);
 }
 
 int RawConnection::CountEnded(int most, std::string* seen) {
