@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "core/identify/errors_of_run.h"
 #include "core/identify/reduction.h"
@@ -18,7 +19,17 @@ using instruments::MeasuringRun;
 // Set-up offsets of a run that are neither distortions nor slips.
 Eigen::Index OwnCount(const MeasuringRun& run) { return instruments::OwnSetupCount(run); }
 
-// The last `count` offsets, those of distortions with what sessions have in common.
+// Offsets of a group that are neither distortions nor slips, in order.
+std::vector<Eigen::Index> OwnOf(const identify::Problem& problem, const identify::SetupGroup& group) {
+  std::set<Eigen::Index> own;
+  for (const int run : group.runs) {
+    const std::vector<Eigen::Index>& offsets = problem.offsets_of_run[run];
+    own.insert(offsets.begin(), offsets.begin() + OwnCount(problem.runs[run]));
+  }
+  return {own.begin(), own.end()};
+}
+
+// The last `count` offsets of a run, those of distortions with what sessions have in common.
 Eigen::VectorXd Fitted(const MeasuringRun& run, const Eigen::VectorXd& setup, Eigen::Index count) {
   Eigen::VectorXd fitted = setup.tail(count);
   for (Eigen::Index k = 0; k < count; ++k) fitted[k] += run.setup[static_cast<size_t>(setup.size() - count + k)].centre;
@@ -28,15 +39,19 @@ Eigen::VectorXd Fitted(const MeasuringRun& run, const Eigen::VectorXd& setup, Ei
 // Places the rows of one run.
 class Sink {
  public:
-  Sink(const identify::Problem& problem, int run, const Eigen::VectorXd& setup, int errors, std::vector<int> next,
-       Eigen::ArrayXd* weight, Eigen::ArrayXd* correlation, Eigen::ArrayXd* echo, Linearised* out)
+  // `own`: OwnOf its group.
+  Sink(const identify::Problem& problem, int run, const Eigen::VectorXd& setup, const std::vector<Eigen::Index>& own,
+       int errors, std::vector<int> next, Eigen::ArrayXd* weight, Eigen::ArrayXd* correlation, Eigen::ArrayXd* echo,
+       Linearised* out)
       : run_(run),
-        own_(OwnCount(problem.runs[run])),
-        found_(setup.size() - own_),
-        fitted_(Fitted(problem.runs[run], setup, found_)),
+        own_(own),
+        artefact_(problem.offsets_of_run[run].begin(),
+                  problem.offsets_of_run[run].begin() + (OwnCount(problem.runs[run]) >= 3 ? 3 : 0)),
+        found_(problem.offsets_of_run[run].begin() + OwnCount(problem.runs[run]), problem.offsets_of_run[run].end()),
+        fitted_(Fitted(problem.runs[run], setup, static_cast<Eigen::Index>(found_.size()))),
         next_(std::move(next)),
         whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
-        row_(setup.size() + errors + 1),
+        row_(identify::SetupCount(problem, run) + errors + 1),
         weight_(weight),
         correlation_(correlation),
         echo_(echo),
@@ -53,17 +68,18 @@ class Sink {
     (*correlation_)[at] = factors.correlation;
     (*echo_)[at] = factors.echo;
     out_->sensitivity.row(at).head(evaluation.by_error.cols()) = evaluation.by_error.row(row);
-    if (own_ >= 3) out_->artefact.row(at) = stored.head<3>();  // a direction has no place
+    if (!artefact_.empty()) out_->artefact.row(at) = stored(artefact_);  // a direction has no place
     objective::Rows& rows = out_->rows;
-    rows.own.row(at).head(own_) = stored.head(own_);
+    rows.own.row(at).head(static_cast<Eigen::Index>(own_.size())) = stored(own_);
     const Eigen::Index p = rows.common.cols();
-    rows.common.row(at) = stored.segment(own_ + found_, p);
-    rows.y[at] = stored.segment(own_, found_).dot(fitted_) - stored[stored.size() - 1];
+    rows.common.row(at) = stored.segment(stored.size() - 1 - p, p);
+    rows.y[at] = stored(found_).dot(fitted_) - stored[stored.size() - 1];
   }
 
  private:
   const int run_;
-  const Eigen::Index own_, found_;  // set-up offsets; behind them those of distortions and slips
+  const std::vector<Eigen::Index>& own_;              // of the group
+  const std::vector<Eigen::Index> artefact_, found_;  // of the run: its place; distortions and slips
   const Eigen::VectorXd fitted_;
   std::vector<int> next_;
   std::vector<identify::SeriesWhitener> whiteners_;
@@ -100,7 +116,7 @@ std::vector<instruments::SoundRow> SoundRows(const Linearised& linearised, const
     const MeasuringRun& run = problem.runs[i];
     if (run.path_readings != nullptr || run.row_count > instruments::kMaxRows) continue;
     MeasuringRun sound = run;
-    const Eigen::VectorXd& fitted = point.setup[problem.group_of_run[i]];
+    const Eigen::VectorXd fitted = identify::SetupOf(problem, point, i);
     const Eigen::Index own = OwnCount(run), distortions = instruments::DistortionAmplitudes(run);
     Eigen::VectorXd setup(fitted.size() - distortions);
     setup << fitted.head(own), fitted.tail(fitted.size() - own - distortions);
@@ -177,14 +193,15 @@ Linearised Linearise(const identify::Problem& problem, const identify::Point& po
   std::erase_if(parameters, [declared](const identify::Parameter& one) { return one.term >= declared; });
   const auto p = static_cast<Eigen::Index>(parameters.size());
   Eigen::Index widest = 3;
-  for (const MeasuringRun& run : problem.runs) widest = std::max(widest, OwnCount(run));
+  std::vector<std::vector<Eigen::Index>> own_of_group;
   for (size_t g = 0; g < problem.groups.size(); ++g) {
     const identify::SetupGroup& group = problem.groups[g];
-    const Eigen::Index own = OwnCount(problem.runs[group.runs.front()]);
-    Eigen::VectorXd& precision = rows.own_precision.emplace_back(own);
-    for (Eigen::Index k = 0; k < own; ++k)
-      precision[k] = identify::PriorPrecision(group.parameters[k], identify::Priors::kAll);
-    rows.own_value.emplace_back(point.setup[g].head(own));
+    const std::vector<Eigen::Index>& own = own_of_group.emplace_back(OwnOf(problem, group));
+    widest = std::max(widest, static_cast<Eigen::Index>(own.size()));
+    Eigen::VectorXd& precision = rows.own_precision.emplace_back(static_cast<Eigen::Index>(own.size()));
+    for (Eigen::Index k = 0; k < precision.size(); ++k)
+      precision[k] = identify::PriorPrecision(group.parameters[own[k]], identify::Priors::kAll);
+    rows.own_value.emplace_back(point.setup[g](own));
   }
   int count = 0;
   std::vector<std::vector<int>> first(problem.runs.size());
@@ -207,8 +224,8 @@ Linearised Linearise(const identify::Problem& problem, const identify::Point& po
   rows.y.setZero(count);
   Eigen::ArrayXd weight(count), correlation(count), echo(count);
   for (size_t i = 0; i < problem.runs.size(); ++i) {
-    Sink sink(problem, static_cast<int>(i), point.setup[problem.group_of_run[i]], static_cast<int>(p), first[i],
-              &weight, &correlation, &echo, &out);
+    Sink sink(problem, static_cast<int>(i), identify::SetupOf(problem, point, i), own_of_group[problem.group_of_run[i]],
+              static_cast<int>(p), first[i], &weight, &correlation, &echo, &out);
     identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
   }
   out.sound = SoundRows(out, point);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -18,15 +19,16 @@ struct Extended {
   Problem problem;
   Point point;
   NormalEquations normal;
-  std::vector<int> own;                // per group: offsets that it had
-  std::vector<std::vector<int>> axes;  // per group: those that were added
+  std::vector<int> own;  // per group: offsets that it had
+  struct Constant {
+    int axis = 0;
+    size_t first = 0;  // run of the set-up
+  };
+  std::vector<std::vector<Constant>> constants;  // per group: those that were added
 };
 
-bool MayBeFreed(const Problem& problem, const SetupGroup& group) {
-  return std::all_of(group.runs.begin(), group.runs.end(), [&](int run) {
-    const MeasuringRun& one = problem.runs[static_cast<size_t>(run)];
-    return one.path_readings == nullptr && one.free_datum.empty() && one.distortions.empty() && one.slips.empty();
-  });
+bool MayBeFreed(const MeasuringRun& one) {
+  return one.path_readings == nullptr && one.free_datum.empty() && one.distortions.empty() && one.slips.empty();
 }
 
 // What was fitted, in the order of the estimates.
@@ -39,19 +41,28 @@ std::vector<Parameter> FittedParameters(const Fit& fit) {
 Extended Extend(const Fit& fit) {
   Extended out{fit.problem, fit.point, {}, {}, {}};
   const machine::Machine& machine = *fit.problem.machine;
+  std::vector<int> axes;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind == machine::AxisKind::kLinear && axes.size() < instruments::kMaxDatumAxes)
+      axes.push_back(axis);
+  }
   for (size_t g = 0; g < out.problem.groups.size(); ++g) {
     SetupGroup& group = out.problem.groups[g];
     out.own.push_back(static_cast<int>(group.parameters.size()));
-    out.axes.emplace_back();
-    if (!MayBeFreed(out.problem, group)) continue;
-    for (int axis = 0; axis < machine.axis_count(); ++axis) {
-      if (machine.axes[axis].kind == machine::AxisKind::kLinear && out.axes[g].size() < instruments::kMaxDatumAxes)
-        out.axes[g].push_back(axis);
+    out.constants.emplace_back();
+    for (const int number : group.runs) {
+      const auto run = static_cast<size_t>(number), first = FirstOfSetup(fit.problem, run);
+      if (!MayBeFreed(fit.problem.runs[run])) continue;
+      std::vector<Eigen::Index>& offsets = out.problem.offsets_of_run[run];
+      for (const int axis : axes) {
+        AddDatum(machine, axis, &out.problem.runs[run]);
+        if (first != run) continue;
+        offsets.push_back(static_cast<Eigen::Index>(group.parameters.size()));
+        group.parameters.push_back(out.problem.runs[run].setup.back());
+        out.constants[g].push_back({axis, run});
+      }
+      if (first != run) offsets = out.problem.offsets_of_run[first];
     }
-    for (const int run : group.runs) {
-      for (const int axis : out.axes[g]) AddDatum(machine, axis, &out.problem.runs[static_cast<size_t>(run)]);
-    }
-    group.parameters = out.problem.runs[static_cast<size_t>(group.runs[0])].setup;
     Eigen::VectorXd setup = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.parameters.size()));
     setup.head(out.own[g]) = out.point.setup[g];
     out.point.setup[g] = std::move(setup);
@@ -76,7 +87,7 @@ Reduction With(const Extended& extended, const Freed& is_free) {
     const SetupGroup& group = extended.problem.groups[g];
     const GroupNormal& all = extended.normal.groups[g];
     std::vector<int> kept;
-    SetupGroup smaller{group.name, {}, group.runs};
+    SetupGroup smaller{{}, group.runs};
     for (int k = 0; k < all.setup_count; ++k) {
       if (k >= extended.own[g] && !is_free[g][static_cast<size_t>(k - extended.own[g])]) continue;
       kept.push_back(k);
@@ -120,7 +131,7 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit, double least_s
   // What chi-square is of readings that scatter as stated, also where the fit took a larger sigma to converge.
   const double expected = freedom / (fit.result.noise_scale * fit.result.noise_scale);
   const double chi2 = fit.result.fit.chi2_per_dof * freedom, excess = chi2 - expected;
-  if (groups < 2 || freedom < 1.0 || fit.result.model.terms.empty()) return {};
+  if (CountSetups(fit.problem) < 2 || freedom < 1.0 || fit.result.model.terms.empty()) return {};
   // What sessions disagree by may go into set-ups before it shows in the readings: balls and run-outs then stand
   // farther from their places than mounting leaves them.
   double priors = 0.0;
@@ -134,7 +145,7 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit, double least_s
   const Extended extended = Extend(fit);
   const std::vector<int> held = HeldIn(fit);
   Freed is_free(groups);
-  for (size_t g = 0; g < groups; ++g) is_free[g].assign(extended.axes[g].size(), false);
+  for (size_t g = 0; g < groups; ++g) is_free[g].assign(extended.constants[g].size(), false);
   // As many gains must not be chance by the scatter that they leave: five standard uncertainties per constant.
   constexpr double kLeastGain = 25.0;
   const double without = GainOf(extended, is_free, held);  // of the solution itself: nearly zero
@@ -165,19 +176,21 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit, double least_s
                                              std::sqrt(std::max(expected, chi2 - gain) / freedom));
   reports::DatumMoved moved;
   for (size_t g = 0; g < groups; ++g) {
-    reports::DatumMoved::Group group;
+    std::map<size_t, reports::DatumMoved::Group> by_setup;
     Eigen::Index at = extended.own[g];
     for (size_t k = 0; k < is_free[g].size(); ++k) {
       if (!is_free[g][k]) continue;
-      const int axis = extended.axes[g][k];
-      group.axes.push_back({extended.problem.machine->axes[axis].name, step.setup[g][at] * base::kUmPerMm,
-                            covariance.setup_sigma[g][at] * base::kUmPerMm});
+      const Extended::Constant& one = extended.constants[g][k];
+      by_setup[one.first].axes.push_back({extended.problem.machine->axes[one.axis].name,
+                                          step.setup[g][at] * base::kUmPerMm,
+                                          covariance.setup_sigma[g][at] * base::kUmPerMm});
       ++at;
     }
-    if (group.axes.empty()) continue;
-    for (const int run : extended.problem.groups[g].runs)
-      group.sessions.push_back(extended.problem.runs[static_cast<size_t>(run)].session);
-    moved.groups.push_back(std::move(group));
+    for (const int run : extended.problem.groups[g].runs) {
+      const auto of = by_setup.find(FirstOfSetup(extended.problem, static_cast<size_t>(run)));
+      if (of != by_setup.end()) of->second.sessions.push_back(extended.problem.runs[static_cast<size_t>(run)].session);
+    }
+    for (auto& [first, group] : by_setup) moved.groups.push_back(std::move(group));
   }
   return {std::move(moved)};
 }

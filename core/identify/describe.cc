@@ -81,8 +81,8 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
     session.readings = static_cast<int>(residuals_mm[i].size());
     session.rms_mm = std::sqrt(residuals_mm[i].squaredNorm() / session.readings);
     session.max_mm = residuals_mm[i].cwiseAbs().maxCoeff();
-    for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
-      const instruments::SetupParameter& parameter = problem.groups[group].parameters[k];
+    for (const Eigen::Index k : problem.offsets_of_run[i]) {
+      const instruments::SetupParameter& parameter = problem.groups[group].parameters[static_cast<size_t>(k)];
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
       const double sigma = judgement.covariance.setup_sigma[group][k];
       const bool is_told = IsTold(parameter, sigma / judgement.sigma_scale);

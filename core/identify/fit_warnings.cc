@@ -226,17 +226,16 @@ std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const 
     if (!is_angle(i)) AddNear(problem, estimate.value, &beyond.near);
   }
   for (size_t i = 0; i < result.sessions.size() && i < problem.runs.size(); ++i) {
-    const SetupGroup& group = problem.groups[static_cast<size_t>(problem.group_of_run[i])];
-    if (group.runs[0] != static_cast<int>(i)) continue;  // a shared set-up once
-    for (size_t k = 0; k < group.parameters.size() && k < result.sessions[i].setup.size(); ++k) {
+    if (FirstOfSetup(problem, i) != i) continue;  // a shared set-up once
+    const std::vector<instruments::SetupParameter>& setup = problem.runs[i].setup;
+    for (size_t k = 0; k < setup.size() && k < result.sessions[i].setup.size(); ++k) {
       const SetupOffset& offset = result.sessions[i].setup[k];
       const double at_least = std::abs(offset.value) - kSurely * offset.sigma;
-      if (!group.parameters[k].is_placed) continue;
-      if (!std::isfinite(group.parameters[k].prior_sigma) || !(at_least > kMountings * group.parameters[k].prior_sigma))
-        continue;
+      if (!setup[k].is_placed) continue;
+      if (!std::isfinite(setup[k].prior_sigma) || !(at_least > kMountings * setup[k].prior_sigma)) continue;
       const double per_unit = offset.is_angle ? base::kUradPerRad : base::kUmPerMm;
-      beyond.offsets.push_back({absl::StrCat(offset.name, " of set-up ", group.name), offset.value * per_unit,
-                                offset.is_angle ? "urad" : "um"});
+      beyond.offsets.push_back({absl::StrCat(offset.name, " of set-up ", problem.runs[i].setup_name),
+                                offset.value * per_unit, offset.is_angle ? "urad" : "um"});
       if (!offset.is_angle) AddNear(problem, offset.value, &beyond.near);
     }
   }
@@ -290,16 +289,17 @@ std::vector<reports::WarningFacts> SharedWithHeld(const Problem& problem, const 
   }
   // By how much of its sigma an error moves with the offset's stated one.
   constexpr double kRests = 0.3;  // less: the stages' errors correlate by less than a tenth
-  for (size_t g = 0; g < problem.groups.size(); ++g) {
-    const SetupGroup& group = problem.groups[g];
-    if (!is_shared(&MeasuredIn::setup, group.name)) continue;
-    for (size_t k = 0; k < group.parameters.size(); ++k) {
-      const instruments::SetupParameter& parameter = group.parameters[k];
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const instruments::MeasuringRun& run = problem.runs[i];
+    if (FirstOfSetup(problem, i) != i || !is_shared(&MeasuredIn::setup, run.setup_name)) continue;
+    const Eigen::MatrixXd& with_setup = covariance.with_setup[static_cast<size_t>(problem.group_of_run[i])];
+    for (size_t k = 0; k < run.setup.size(); ++k) {
+      const instruments::SetupParameter& parameter = run.setup[k];
       if (parameter.is_weak || !std::isfinite(parameter.prior_sigma)) continue;
-      const Eigen::ArrayXd moved = covariance.with_setup[g].col(static_cast<Eigen::Index>(k)) / parameter.prior_sigma;
+      const Eigen::ArrayXd moved = with_setup.col(problem.offsets_of_run[i][k]) / parameter.prior_sigma;
       const Eigen::ArrayXd sigma = covariance.errors.diagonal().array().max(0.0).sqrt();
       if ((moved.abs() > kRests * sigma && sigma > 0.0).any())
-        shared.offsets.push_back(absl::StrCat(parameter.name, " of set-up ", group.name));
+        shared.offsets.push_back(absl::StrCat(parameter.name, " of set-up ", run.setup_name));
     }
   }
   if (shared.sessions.empty() && shared.offsets.empty()) return {};

@@ -169,8 +169,15 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
 
 std::optional<size_t> SharedSetup(const MeasuringRun& run, const Problem& fit) {
   if (!run.is_setup_stated) return std::nullopt;
-  for (size_t g = 0; g < fit.groups.size(); ++g) {
-    if (fit.groups[g].name == run.setup_name && fit.runs[fit.groups[g].runs[0]].slips.empty()) return g;
+  for (size_t i = 0; i < fit.runs.size(); ++i) {
+    if (fit.runs[i].setup_name == run.setup_name && fit.runs[i].slips.empty()) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<size_t> SharedScale(const MeasuringRun& run, const Problem& fit) {
+  for (size_t i = 0; i < fit.runs.size() && !run.scale_of.empty(); ++i) {
+    if (fit.runs[i].scale_of == run.scale_of) return i;
   }
   return std::nullopt;
 }
@@ -178,13 +185,19 @@ std::optional<size_t> SharedSetup(const MeasuringRun& run, const Problem& fit) {
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<MeasuringRun> runs, const Fit& fitted,
                               const Options& options) {
   for (MeasuringRun& run : runs) {
-    const std::optional<size_t> group = SharedSetup(run, fitted.problem);
-    if (!group) continue;
-    const MeasuringRun& first = fitted.problem.runs[fitted.problem.groups[*group].runs[0]];
-    RETURN_IF_ERROR(CheckSameSetup(first, run));
-    StartAs(first, &run);
-    for (size_t k = 0; k < run.setup.size(); ++k)
-      run.setup[k].held = fitted.point.setup[*group][static_cast<Eigen::Index>(k)];
+    const std::optional<size_t> same = SharedSetup(run, fitted.problem), of_scale = SharedScale(run, fitted.problem);
+    if (same) {
+      const MeasuringRun& first = fitted.problem.runs[*same];
+      RETURN_IF_ERROR(CheckSameSetup(first, run));
+      StartAs(first, &run);
+      const Eigen::VectorXd setup = SetupOf(fitted.problem, fitted.point, *same);
+      for (size_t k = 0; k < run.setup.size(); ++k) run.setup[k].held = setup[static_cast<Eigen::Index>(k)];
+    } else if (of_scale) {
+      const MeasuringRun& first = fitted.problem.runs[*of_scale];
+      RETURN_IF_ERROR(CheckSameScale(first, run));
+      run.setup[ScaleAt(run)].held =
+          SetupOf(fitted.problem, fitted.point, *of_scale)[static_cast<Eigen::Index>(ScaleAt(first))];
+    }
   }
   return CheckRuns(machine, std::move(runs), fitted.result.model, options);
 }

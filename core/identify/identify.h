@@ -105,11 +105,14 @@ absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machin
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                               const machine::ErrorModel& model, const Options& options);
 // The same under the errors of a fit: a session that states a set-up (`# setup: NAME`) which the fit has keeps the
-// fit's offsets, none of which are refitted. INVALID_ARGUMENT where their headers contradict each other.
+// fit's offsets, none of which are refitted, and one of an instrument whose one scale the fit has (`scale_of`) keeps
+// that. INVALID_ARGUMENT where their headers contradict each other.
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                               const Fit& fitted, const Options& options);
-// The group of `fit` whose set-up a session states, if any; one that slipped is nobody else's.
+// The first run of `fit` whose set-up a session states, if any; one that slipped is nobody else's.
 std::optional<size_t> SharedSetup(const instruments::MeasuringRun& run, const Problem& fit);
+// The first run of `fit` whose instrument's scale is this session's, if any.
+std::optional<size_t> SharedScale(const instruments::MeasuringRun& run, const Problem& fit);
 
 // Statistics of residuals and of the priors that judge (SetupParameter::is_placed). `parameters` counts the fitted
 // errors and OffsetsFromReadings (reduction.h); a setup offset with a judging prior adds as many readings as unknowns.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "core/base/units.h"
 #include "core/identify/curved_setup.h"
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
@@ -33,6 +35,27 @@ Covariance UncertaintyOf(const SolvedProblem& solved, double sigma_scale) {
                       problem.fixed_covariance);
 }
 
+// The scale of an instrument whose serial number is stated is a fact that is fitted: `covariance` has it in all
+// sessions at once, and the errors move with it as its own sigma moves it.
+std::vector<StatedPart> ScalesOf(const SolvedProblem& solved, const Covariance& covariance) {
+  const Problem& problem = solved.problem;
+  std::vector<StatedPart> parts;
+  std::set<std::string> known;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const instruments::MeasuringRun& run = problem.runs[i];
+    if (run.scale_of.empty() || !known.insert(run.scale_of).second) continue;
+    const instruments::SetupParameter& scale = run.setup[ScaleAt(run)];
+    if (scale.held) continue;
+    const Eigen::MatrixXd& with_setup = covariance.with_setup[static_cast<size_t>(problem.group_of_run[i])];
+    parts.push_back(
+        {absl::StrFormat("scale of instrument %s, +- %g um/m", run.scale_of, scale.prior_sigma * base::kUmPerMm),
+         with_setup.col(problem.offsets_of_run[i][ScaleAt(run)])
+                 .head(static_cast<Eigen::Index>(solved.parameters.size())) /
+             scale.prior_sigma});
+  }
+  return parts;
+}
+
 // What stated facts leave uncertain. A fact that is off by one standard uncertainty moves all that is fitted by the
 // Gauss-Newton step which the readings then ask for, in all sessions that rest on it at once; facts are independent.
 // Nothing is fitted of them: readings do not make a coefficient better known.
@@ -45,7 +68,7 @@ std::vector<StatedPart> AddStated(const SolvedProblem& solved, Covariance* covar
       if (!effect.is_workpiece) facts[effect.of].push_back({i, &effect});
     }
   }
-  std::vector<StatedPart> parts;
+  std::vector<StatedPart> parts = ScalesOf(solved, *covariance);
   if (facts.empty()) return parts;
   const Point& at = solution.linearised;
   const GaussNewtonStep as_it_is = SolveStep(problem, at, solution.normal, solved.held);

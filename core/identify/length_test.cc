@@ -135,6 +135,104 @@ TEST(Length, ADrawWireFromThreeAnchors) {
   ExpectTruth(result, {{"EC0X", 300}, {"EA0Y", -200}, {"EZZ:linear", 400}});
 }
 
+// One wire at three anchors has one scale error, drawn once for all of them.
+std::vector<session::Session> OneWire(const std::string& serial) {
+  std::vector<session::Session> grids = {Grid("left", "-900 -700 -400", 0), Grid("right", "800 -900 300", 2000),
+                                         Grid("back", "100 1100 -500", 4000)};
+  for (session::Session& grid : grids) {
+    for (session::HeaderEntry& entry : grid.header)
+      if (entry.key == "scale_sigma_um") entry.value = "100";
+    if (!serial.empty()) grid.header.push_back({"serial", serial});
+  }
+  return grids;
+}
+
+std::vector<session::Session> MeasuredWithOneWire(const std::string& truth, const std::string& serial, uint64_t seed) {
+  std::vector<session::Session> measured;
+  for (const session::Session& plan : OneWire(serial)) {
+    synthetic::NoiseOptions noise;
+    noise.seed = 100 * seed + measured.size();
+    noise.stated_seed = seed;
+    measured.push_back(synthetic::Simulate(kMachine, *machine::ReadErrors(truth, kMachine), plan, noise).value());
+  }
+  return measured;
+}
+
+const char kScaled[] = R"({"EC0X": 300, "terms": [
+    {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 200},
+    {"symbol": "EYY", "shape": "linear", "variable": "Y", "amplitude": -100},
+    {"symbol": "EZZ", "shape": "linear", "variable": "Z", "amplitude": 400}]})";
+
+TEST(Length, OneScaleOfOneSerialNumberIsOneUnknown) {
+  Options options;
+  options.model = *machine::ReadErrors(kScaled, kMachine);
+  const machine::ErrorModel truth = *options.model;
+  const std::vector<Parameter> parameters = ListParameters(truth, false);
+  std::vector<double> squares(parameters.size());
+  constexpr int kRuns = 60;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto fit =
+        FitSessions(kMachine, MeasuredWithOneWire(kScaled, "WDS-10443", 50 + static_cast<uint64_t>(run)), options);
+    ASSERT_TRUE(fit.ok()) << fit.status();
+    ASSERT_LT(fit->result.fit.chi2_per_dof, 1.6);
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      const Estimate& estimate = fit->result.estimates[i];
+      ASSERT_TRUE(estimate.identifiable) << estimate.name;
+      squares[i] += std::pow((estimate.value - ValueOf(truth, parameters[i])) / estimate.sigma, 2) / kRuns;
+    }
+    // One value, with one sigma, in all three sessions; a share of each length's sigma is that of the wire's.
+    const std::vector<SessionFit>& sessions = fit->result.sessions;
+    ASSERT_EQ(sessions.size(), 3u);
+    for (const SessionFit& session : sessions) {
+      ASSERT_EQ(session.setup.size(), 8u);
+      EXPECT_EQ(session.setup.back().name, "scale");
+      EXPECT_EQ(session.setup.back().value, sessions[0].setup.back().value);
+      EXPECT_EQ(session.setup.back().sigma, sessions[0].setup.back().sigma);
+    }
+    EXPECT_NE(sessions[0].setup[0].value, sessions[1].setup[0].value);
+    ASSERT_EQ(fit->result.stated.size(), 1u);
+    EXPECT_EQ(fit->result.stated[0].of, "scale of instrument WDS-10443, +- 100 um/m");
+    EXPECT_NEAR(std::abs(fit->result.stated[0].moved[1]) / fit->result.estimates[1].factor, 100.0, 5.0);
+  }
+  // Mean squares of 60 normal numbers scatter by sqrt(2 / 60) = 0.18.
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    EXPECT_LT(squares[i], 1.0 + 4.0 * 0.18) << i;
+    EXPECT_GT(squares[i], 1.0 - 4.0 * 0.18) << i;
+  }
+}
+
+TEST(Length, SessionsOfOneSerialNumberStateOneSigma) {
+  std::vector<session::Session> measured = MeasuredWithOneWire("{}", "WDS-10443", 1);
+  for (session::HeaderEntry& entry : measured[1].header)
+    if (entry.key == "scale_sigma_um") entry.value = "50";
+  Options options;
+  options.model = *machine::ReadErrors(kScaled, kMachine);
+  EXPECT_EQ(Identify(kMachine, measured, options).status().message(),
+            "sessions 'left' and 'right' are of one instrument, serial 'WDS-10443', whose scale_sigma_um is 100 and "
+            "50, expected the same in both");
+  // Two instruments may state what they like.
+  for (session::HeaderEntry& entry : measured[1].header)
+    if (entry.key == "serial") entry.value = "WDS-10444";
+  EXPECT_TRUE(Identify(kMachine, measured, options).ok());
+}
+
+// A session that checks was measured with the wire of the fit: its scale is the fit's.
+TEST(Length, TheScaleOfTheFitIsThatOfASessionThatChecks) {
+  std::vector<session::Session> measured = MeasuredWithOneWire(kScaled, "WDS-10443", 3);
+  const session::Session check = measured.back();
+  measured.pop_back();
+  Options options;
+  options.model = *machine::ReadErrors(kScaled, kMachine);
+  const auto fit = FitSessions(kMachine, measured, options);
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  const auto runs = BindSessions(kMachine, {check});
+  ASSERT_TRUE(runs.ok()) << runs.status();
+  const auto checked = CheckRuns(kMachine, *runs, *fit, options);
+  ASSERT_TRUE(checked.ok()) << checked.status();
+  EXPECT_EQ(checked->result.sessions[0].setup.back().value, fit->result.sessions[0].setup.back().value);
+  EXPECT_EQ(checked->result.sessions[0].setup.back().sigma, 0.0);
+}
+
 // Two halves of one run share beam, target and zero, wherever the middle of each stands: a step between them is the
 // machine's.
 TEST(Length, HalvesOfOneSetUpCountFromOneZero) {

@@ -128,7 +128,7 @@ class Simulator {
     const Noise& noise = fit_.problem.noise[index];
     const double sigma_mm = budget_.with_reading_noise ? noise_scale_ * noise.sigma_mm : 0.0;
     std::vector<base::RippleNoise> ripple(run->row_count, base::RippleNoise(noise.ar1, noise.white_share));
-    const double* const setup = truth.setup[fit_.problem.group_of_run[index]].data();
+    const Eigen::VectorXd setup = SetupOf(fit_.problem, truth, index);
     ErrorsOfRun errors_of_run(problem, truth);
     for (int k = 0; k < run->reading_count(); ++k) {
       draws->Draw(DrawnPer::kReading);
@@ -139,7 +139,7 @@ class Simulator {
         return errors;
       };
       double predicted_mm[instruments::kMaxRows];
-      instruments::PredictWith(*fit_.problem.machine, *run, k, errors_at, setup, predicted_mm);
+      instruments::PredictWith(*fit_.problem.machine, *run, k, errors_at, setup.data(), predicted_mm);
       for (int row = 0; row < run->row_count; ++row) {
         run->measured_mm(row, k) =
             predicted_mm[row] + sigma_mm * ripple[row].Next(*random) + draws->OnRow(acts_[index]);

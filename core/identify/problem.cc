@@ -9,6 +9,7 @@
 #include "core/base/units.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/resolution.h"
 
 namespace axiscal::identify {
@@ -96,6 +97,7 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   if (first.ball_mm != other.ball_mm)
     return differs(first.kind == instruments::Kind::kLength ? "anchor_mm" : "table_ball_mm", text(first.ball_mm),
                    text(other.ball_mm));
+  if (first.scale_of != other.scale_of) return differs("serial", first.scale_of, other.scale_of);
   if (first.length.is_beam != other.length.is_beam || first.length.beam != other.length.beam ||
       first.length.is_on_bed != other.length.is_on_bed)
     return refuse("anchor or beam, expected the same anchor_mm or beam and anchor_on in both");
@@ -138,6 +140,22 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   return absl::OkStatus();
 }
 
+size_t ScaleAt(const MeasuringRun& run) {
+  const auto scale = std::find_if(run.setup.begin(), run.setup.end(), [](const instruments::SetupParameter& parameter) {
+    return parameter.name == length::kScaleName;
+  });
+  DEMAND(scale != run.setup.end());
+  return static_cast<size_t>(scale - run.setup.begin());
+}
+
+absl::Status CheckSameScale(const MeasuringRun& first, const MeasuringRun& other) {
+  const double a = first.setup[ScaleAt(first)].prior_sigma, b = other.setup[ScaleAt(other)].prior_sigma;
+  if (a == b) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "sessions '", first.session, "' and '", other.session, "' are of one instrument, serial '", other.scale_of,
+      "', whose scale_sigma_um is ", a * base::kUmPerMm, " and ", b * base::kUmPerMm, ", expected the same in both"));
+}
+
 absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
                            const machine::ErrorModel& model) {
   const MeasuringRun* with = nullptr;
@@ -160,27 +178,80 @@ absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<Me
   return absl::OkStatus();
 }
 
+Eigen::VectorXd SetupOf(const Problem& problem, const Point& point, size_t run) {
+  return point.setup[static_cast<size_t>(problem.group_of_run[run])](problem.offsets_of_run[run]);
+}
+
+size_t FirstOfSetup(const Problem& problem, size_t run) {
+  const std::vector<int>& runs = problem.groups[static_cast<size_t>(problem.group_of_run[run])].runs;
+  for (const int other : runs) {
+    // Offsets in common but for the scale.
+    if (problem.offsets_of_run[static_cast<size_t>(other)].front() == problem.offsets_of_run[run].front())
+      return static_cast<size_t>(other);
+  }
+  return run;
+}
+
+size_t CountSetups(const Problem& problem) {
+  size_t count = 0;
+  for (size_t i = 0; i < problem.runs.size(); ++i) count += FirstOfSetup(problem, i) == i;
+  return count;
+}
+
+namespace {
+
+// Adds the offsets of a set-up that is not in the group yet; `first`: a run of the group, if any. Returns where they
+// stand in it.
+absl::StatusOr<std::vector<Eigen::Index>> AddSetup(const MeasuringRun& run, const MeasuringRun* first,
+                                                   const std::vector<Eigen::Index>& of_first, SetupGroup* group) {
+  std::vector<Eigen::Index> offsets;
+  for (const instruments::SetupParameter& parameter : run.setup) {
+    if (first == nullptr || parameter.name != length::kScaleName) {
+      offsets.push_back(static_cast<Eigen::Index>(group->parameters.size()));
+      group->parameters.push_back(parameter);
+      continue;
+    }
+    RETURN_IF_ERROR(CheckSameScale(*first, run));
+    offsets.push_back(of_first[ScaleAt(*first)]);
+  }
+  return offsets;
+}
+
+}  // namespace
+
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
   RETURN_IF_ERROR(CheckRecorded(machine, runs));
   instruments::ShareTemperatures({&runs});
   Problem problem;
   problem.machine = &machine;
-  std::map<std::string, int> group_of_name;
+  std::map<std::string, size_t> first_of_setup;
+  std::map<std::string, int> group_of_serial;
   std::set<std::string> sessions;
   for (size_t i = 0; i < runs.size(); ++i) {
     const MeasuringRun& run = runs[i];
     if (!sessions.insert(run.session).second) {
       return absl::InvalidArgumentError(absl::StrCat("session '", run.session, "' is there twice"));
     }
+    size_t first = i;
+    if (run.slips.empty()) first = first_of_setup.emplace(run.setup_name, i).first->second;  // a slip is of one alone
     int at = static_cast<int>(problem.groups.size());
-    if (run.slips.empty()) at = group_of_name.emplace(run.setup_name, at).first->second;  // a slip is of one alone
-    if (at == static_cast<int>(problem.groups.size())) problem.groups.push_back({run.setup_name, run.setup, {}});
-    SetupGroup& group = problem.groups[at];
-    if (!group.runs.empty()) {
-      RETURN_IF_ERROR(CheckSameSetup(runs[group.runs[0]], run));
-      StartAs(runs[group.runs[0]], &runs[i]);
+    if (first != i) {
+      RETURN_IF_ERROR(CheckSameSetup(runs[first], run));
+      StartAs(runs[first], &runs[i]);
+      at = problem.group_of_run[first];
+      problem.offsets_of_run.push_back(problem.offsets_of_run[first]);
+    } else {
+      if (!run.scale_of.empty()) at = group_of_serial.emplace(run.scale_of, at).first->second;
+      if (at == static_cast<int>(problem.groups.size())) problem.groups.emplace_back();
+      SetupGroup& group = problem.groups[at];
+      const bool is_first = group.runs.empty();
+      const auto before = is_first ? 0 : static_cast<size_t>(group.runs[0]);
+      ASSIGN_OR_RETURN(std::vector<Eigen::Index> offsets,
+                       AddSetup(run, is_first ? nullptr : &runs[before],
+                                is_first ? std::vector<Eigen::Index>() : problem.offsets_of_run[before], &group));
+      problem.offsets_of_run.push_back(std::move(offsets));
     }
-    group.runs.push_back(static_cast<int>(i));
+    problem.groups[at].runs.push_back(static_cast<int>(i));
     problem.group_of_run.push_back(at);
     problem.noise.push_back({instruments::SigmaWithRounding(run)});
     problem.is_used.emplace_back(static_cast<size_t>(run.reading_count()) * run.row_count, true);
@@ -250,7 +321,7 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
   std::vector<Eigen::MatrixXd> residuals_mm;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     const MeasuringRun& run = problem.runs[i];
-    const double* setup = point.setup[problem.group_of_run[i]].data();
+    const Eigen::VectorXd setup = SetupOf(problem, point, i);
     Eigen::MatrixXd residual_mm(run.row_count, run.reading_count());
     ErrorsOfRun errors_of_run(problem, point);
     for (int k = 0; k < run.reading_count(); ++k) {
@@ -259,7 +330,7 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
           [&](const shapes::State& state) -> const machine::JointTransforms& {
             return errors_of_run.TransformsAt(state);
           },
-          setup, residual_mm.col(k).data());
+          setup.data(), residual_mm.col(k).data());
     }
     residuals_mm.push_back(residual_mm - run.measured_mm);
   }

@@ -1,8 +1,9 @@
 // The least-squares problem of identification: runs, an error model, setup offsets, noise; and its normal equations.
 //   residual = (predicted - measured) / sigma;   normal matrix [S1 0 C1; 0 S2 C2; C1' C2' E]
-// S: setup offsets of one group of runs (a session, or sessions that share a setup), E: errors, C: where both meet. No
-// reading links the offsets of two groups, so the matrix has the shape of an arrow ("block angular", Bjorck 1996, 6.3).
-// Only these blocks are kept and no rows: time grows with the number of readings, memory does not.
+// S: setup offsets of one group of runs (a session, sessions that share a setup, or all of one instrument's whose scale
+// is one), E: errors, C: where both meet. No reading links the offsets of two groups, so the matrix has the shape of an
+// arrow ("block angular", Bjorck 1996, 6.3). Only these blocks are kept and no rows: time grows with the number of
+// readings, memory does not.
 #ifndef AXISCAL_CORE_IDENTIFY_PROBLEM_H_
 #define AXISCAL_CORE_IDENTIFY_PROBLEM_H_
 
@@ -34,7 +35,6 @@ struct Parameter {
 };
 
 struct SetupGroup {
-  std::string name;
   std::vector<instruments::SetupParameter> parameters;
   std::vector<int> runs;
 };
@@ -55,6 +55,9 @@ struct Problem {
   std::vector<std::vector<RowWeight>> row_weights;
   std::vector<SetupGroup> groups;
   std::vector<int> group_of_run;
+  // Where each offset of a run (MeasuringRun::setup) stands among its group's. All of them in order, but where a group
+  // holds several set-ups, which have one offset in common: the scale of their instrument.
+  std::vector<std::vector<Eigen::Index>> offsets_of_run;
 
   const RowWeight* WeightOf(size_t run, int reading) const {
     return row_weights.empty() || row_weights[run].empty() ? nullptr : &row_weights[run][reading];
@@ -67,10 +70,24 @@ struct Point {
   std::vector<Eigen::VectorXd> setup;  // per group, mm and rad
 };
 
+// Values of a run's own setup offsets, in their order.
+Eigen::VectorXd SetupOf(const Problem& problem, const Point& point, size_t run);
+
+// The first run with this one's set-up: itself where it has one of its own.
+size_t FirstOfSetup(const Problem& problem, size_t run);
+size_t CountSetups(const Problem& problem);
+
 // Sessions that share a setup are measured with one mounting. INVALID_ARGUMENT naming both, the key and its values when
 // they differ in instrument, datum, nominal ball, bar, anchor, beam, features, stated sigmas or, where offsets are of
 // the tool, its tip.
 absl::Status CheckSameSetup(const instruments::MeasuringRun& first, const instruments::MeasuringRun& other);
+
+// Where the setup offset `scale` of a session that has `scale_of` stands in its setup.
+size_t ScaleAt(const instruments::MeasuringRun& run);
+
+// INVALID_ARGUMENT naming both sessions and values where they state the one scale of their instrument (`scale_of`) to
+// be known with different sigmas.
+absl::Status CheckSameScale(const instruments::MeasuringRun& first, const instruments::MeasuringRun& other);
 
 // What the set-up offsets of a session that shares those of `first` start from: a tracker's frame, a length's zero.
 void StartAs(const instruments::MeasuringRun& first, instruments::MeasuringRun* run);
@@ -78,10 +95,10 @@ void StartAs(const instruments::MeasuringRun& first, instruments::MeasuringRun* 
 // One clock for all sessions of a fit, or none (no column t_s in any), and in each of them what the errors of the model
 // depend on. INVALID_ARGUMENT naming two of which only one has a clock, or as machine::RequireState.
 absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
-                        const machine::ErrorModel& model = {});
+                           const machine::ErrorModel& model = {});
 
-// Sessions that share a setup start as the first of them (StartAs). INVALID_ARGUMENT as CheckSameSetup, and when two
-// sessions have one name.
+// Sessions that share a setup start as the first of them (StartAs). INVALID_ARGUMENT as CheckSameSetup and
+// CheckSameScale, and when two sessions have one name.
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
 
 // Entries of Problem::is_used of one run that are bad whatever is fitted: touches that were rejected, rows that stand

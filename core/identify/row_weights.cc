@@ -64,7 +64,7 @@ void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* 
     const MeasuringRun& run = problem->runs[i];
     const std::vector<const Source*> sources = SourcesOfReadings(budget, run.session);
     if (sources.empty()) continue;
-    const double* const setup = point.setup[problem->group_of_run[i]].data();
+    const Eigen::VectorXd setup = SetupOf(*problem, point, i);
     const double sigma_mm = problem->noise[i].sigma_mm;
     const double own = budget.with_reading_noise ? 1.0 : 0.0;
     std::vector<RowWeight> covariances;
@@ -73,7 +73,7 @@ void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* 
       RowWeight& covariance = covariances.emplace_back(RowWeight::Identity(run.row_count, run.row_count));
       covariance *= own;
       for (const Source* const source : sources) {
-        const Eigen::MatrixXd deviations = DeviationsOf(*problem, run, k, *source, model, setup) / sigma_mm;
+        const Eigen::MatrixXd deviations = DeviationsOf(*problem, run, k, *source, model, setup.data()) / sigma_mm;
         covariance += deviations * deviations.transpose();
       }
       largest = std::max(largest, covariance.diagonal().maxCoeff());

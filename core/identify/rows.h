@@ -46,13 +46,19 @@ struct ReadingSample {
   bool IsFirstOfStretch(int reading) const { return stretch < period && reading % period == 0; }
 };
 
+// Setup offsets of a run's group.
+inline int SetupCount(const Problem& problem, int run) {
+  return static_cast<int>(problem.groups[static_cast<size_t>(problem.group_of_run[run])].parameters.size());
+}
+
 // VisitRows for readings taken along a path (eccentricities): each is a sum over states, and so are its slopes.
 template <typename Sink>
 void VisitPathRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
                    const ParameterColumns& column, const ReadingSample& sample, Sink* sink) {
   const instruments::MeasuringRun& run = problem.runs[run_index];
-  const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
-  const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
+  const Eigen::VectorXd setup = SetupOf(problem, point, static_cast<size_t>(run_index));
+  const std::vector<Eigen::Index>& offsets = problem.offsets_of_run[static_cast<size_t>(run_index)];
+  const int setup_count = SetupCount(problem, run_index), count = static_cast<int>(parameters.size());
   ErrorsOfRun errors_of_run(problem, point, parameters);
   const Eigen::VectorXd& slopes = errors_of_run.slopes();
   Eigen::VectorXd by_parameter(count);
@@ -72,7 +78,8 @@ void VisitPathRows(const Problem& problem, int run_index, const Point& point, co
     const double scale = weight != nullptr ? (*weight)(0, 0) : 1.0;
     evaluation.by_error *= scale;
     auto row = sink->NextRow();
-    row.head(setup_count) = scale * evaluation.by_setup.row(0);
+    row.head(setup_count).setZero();
+    row(offsets) = scale * evaluation.by_setup.row(0);
     // Of terms that are alike all along the path, what cancels is zero.
     for (int i = 0; i < count; ++i)
       row[setup_count + i] = errors_of_run.is_constant() ? evaluation.by_error(0, column[i]) : scale * by_parameter[i];
@@ -83,15 +90,16 @@ void VisitPathRows(const Problem& problem, int run_index, const Point& point, co
 
 // For every used row of the readings of `sample` of a run in time order: `sink.NextRow()` gives the storage of one row,
 // which is filled with
-//   setup offsets of the run | errors (`parameters`) | predicted - measured           mm per mm or rad; mm
+//   setup offsets of the run's group | errors (`parameters`) | predicted - measured           mm per mm or rad; mm
 // and handed back, raw, by `sink.Close(reading, row, evaluation, stored row)`. Rows start at the front of the storage.
 template <typename Sink>
 void VisitRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
                Sink* sink, const ReadingSample& sample = {}) {
   const instruments::MeasuringRun& run = problem.runs[run_index];
   const machine::Machine& machine = *problem.machine;
-  const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
-  const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
+  const Eigen::VectorXd setup = SetupOf(problem, point, static_cast<size_t>(run_index));
+  const std::vector<Eigen::Index>& offsets = problem.offsets_of_run[static_cast<size_t>(run_index)];
+  const int setup_count = SetupCount(problem, run_index), count = static_cast<int>(parameters.size());
   const ParameterColumns column(point.model, parameters);
   ErrorsOfRun errors_of_run(problem, point, parameters);
   const Eigen::VectorXd& slopes = errors_of_run.slopes();
@@ -114,7 +122,8 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
     for (int r = 0; r < run.row_count; ++r) {
       if (!problem.is_used[run_index][static_cast<size_t>(k) * run.row_count + r]) continue;
       auto row = sink->NextRow();
-      row.head(setup_count) = evaluation.by_setup.row(r);
+      row.head(setup_count).setZero();
+      row(offsets) = evaluation.by_setup.row(r);
       for (int i = 0; i < count; ++i) row[setup_count + i] = column.Slope(evaluation, r, state, slopes, i);
       row[setup_count + count] = residual_mm[r];
       sink->Close(k, r, evaluation, row);

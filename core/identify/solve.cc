@@ -237,11 +237,13 @@ absl::Status FreeHeldErrors(const Options& options, SolvedProblem* solved) {
 // `from` with the turns of one set-up reversed, every combination of signs, for each set-up.
 std::vector<Point> ReversedTurns(const Problem& problem, const Point& from) {
   std::vector<Point> starts;
-  for (size_t g = 0; g < problem.groups.size(); ++g) {
-    std::vector<int> turns;
-    for (size_t k = 0; k < problem.groups[g].parameters.size(); ++k) {
-      const instruments::SetupParameter& parameter = problem.groups[g].parameters[k];
-      if (parameter.is_angle && !parameter.held) turns.push_back(static_cast<int>(k));
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    if (FirstOfSetup(problem, i) != i) continue;
+    const auto g = static_cast<size_t>(problem.group_of_run[i]);
+    std::vector<Eigen::Index> turns;
+    for (const Eigen::Index k : problem.offsets_of_run[i]) {
+      const instruments::SetupParameter& parameter = problem.groups[g].parameters[static_cast<size_t>(k)];
+      if (parameter.is_angle && !parameter.held) turns.push_back(k);
     }
     for (unsigned reversed = 1; reversed < 1u << turns.size(); ++reversed) {
       Point start = from;

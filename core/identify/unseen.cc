@@ -90,15 +90,17 @@ class ProductSink {
               const std::vector<MovedPoint>& moved, const Eigen::RowVectorXd& is_unknown, const ReadingSample& sample)
       : problem_(solved.problem),
         run_(run),
-        setup_(solved.solution.linearised.setup[solved.problem.group_of_run[run]]),
+        setup_(SetupOf(solved.problem, solved.solution.linearised, static_cast<size_t>(run))),
+        offsets_(solved.problem.offsets_of_run[static_cast<size_t>(run)]),
+        setup_count_(SetupCount(solved.problem, run)),
         directions_(directions),
         moved_(moved),
         is_unknown_(is_unknown),
         sample_(sample),
-        row_(setup_.size() + directions.cols() + 1 + setup_.size() * directions.rows()),
+        row_(setup_count_ + directions.cols() + 1 + setup_count_ * directions.rows()),
         whiteners_(Run().row_count, SeriesWhitener(solved.problem.noise[run], row_.size())),
         by_setup_(moved.size()),
-        sums_(setup_.size() + directions.cols(), setup_.size() * directions.rows()) {
+        sums_(setup_count_ + directions.cols(), setup_count_ * directions.rows()) {
     errors_of_run_.reserve(moved.size());
     for (const MovedPoint& one : moved) errors_of_run_.emplace_back(problem_, one.point);
   }
@@ -108,11 +110,14 @@ class ProductSink {
   template <typename Row>
   void Close(int reading, int r, const instruments::Evaluation&, Row& row) {
     if (reading != evaluated_) EvaluateMoved(reading);
-    const Eigen::Index s = setup_.size(), p = directions_.cols(), k = directions_.rows();
+    const Eigen::Index s = setup_count_, p = directions_.cols(), k = directions_.rows();
+    row.tail(s * k).setZero();
     for (Eigen::Index z = 0; z < k; ++z) {
       const auto n = static_cast<size_t>(z);
-      for (Eigen::Index i = 0; i < s; ++i)
-        row[s + p + 1 + i * k + z] = is_unknown_[i] * (by_setup_[n](r, i) - row[i]) / moved_[n].size;
+      for (Eigen::Index own = 0; own < setup_.size(); ++own) {
+        const Eigen::Index i = offsets_[static_cast<size_t>(own)];
+        row[s + p + 1 + i * k + z] = is_unknown_[i] * (by_setup_[n](r, own) - row[i]) / moved_[n].size;
+      }
     }
     whiteners_[static_cast<size_t>(r)].Apply(reading, row);
     if (sample_.IsFirstOfStretch(reading)) return;
@@ -156,7 +161,9 @@ class ProductSink {
 
   const Problem& problem_;
   const size_t run_;
-  const Eigen::VectorXd& setup_;
+  const Eigen::VectorXd setup_;  // the run's own
+  const std::vector<Eigen::Index>& offsets_;
+  const Eigen::Index setup_count_;  // of its group
   const Eigen::MatrixXd& directions_;
   const std::vector<MovedPoint>& moved_;
   const Eigen::RowVectorXd& is_unknown_;
@@ -191,8 +198,11 @@ Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& 
   for (size_t g = 0; g < problem.groups.size(); ++g) {
     const Eigen::Index s = static_cast<Eigen::Index>(problem.groups[g].parameters.size());
     Eigen::RowVectorXd is_unknown = (covariance.setup_sigma[g].array() > 0.0).cast<double>().transpose();
-    const Eigen::Index own = instruments::OwnSetupCount(problem.runs[problem.groups[g].runs[0]]);
-    is_unknown.tail(s - own).setZero();
+    for (const int run : problem.groups[g].runs) {
+      const std::vector<Eigen::Index>& offsets = problem.offsets_of_run[static_cast<size_t>(run)];
+      for (auto own = static_cast<size_t>(instruments::OwnSetupCount(problem.runs[run])); own < offsets.size(); ++own)
+        is_unknown[offsets[own]] = 0.0;
+    }
     const Eigen::MatrixXd gram = solved.solution.normal.groups[g].gram.topLeftCorner(s + p, s + p);
     Sums sums(s + p, s * k);
     for (const int run : problem.groups[g].runs) {

@@ -187,7 +187,11 @@ class Binder {
     if (instrument_->has_bar) {
       ASSIGN_OR_RETURN(run_.bar_length_mm, PositiveNumber("bar_length_mm"));
     }
-    if (run_.kind == Kind::kLength) RETURN_IF_ERROR(BindLength());
+    if (run_.kind == Kind::kLength) {
+      RETURN_IF_ERROR(BindLength());
+      if (session::FindHeader(session_, "scale_sigma_um"))
+        run_.scale_of = session::FindHeader(session_, "serial").value_or("");
+    }
     if (run_.kind == Kind::kDirection) RETURN_IF_ERROR(BindDirection());
     if (run_.kind == Kind::kTracker) {
       const absl::Status targets = tracker::BindTargets(session_, for_fit && run_.readings_before == 0, &run_);

@@ -118,6 +118,9 @@ struct MeasuringRun {
   std::string session;
   std::string setup_name;        // sessions with the same name share their setup offsets
   bool is_setup_stated = false;  // by `# setup:`; else the name is the session's own
+  // The serial number of an instrument whose scale is known to a stated sigma: that scale (the setup offset `scale`) is
+  // one in all its sessions. Empty: its own in each session or set-up.
+  std::string scale_of;
   Kind kind = Kind::kBallbar;
   double sigma_mm = 0.0;                              // stated repeatability of one reading
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();   // nominal tool point or stylus centre at home, machine frame

@@ -31,8 +31,9 @@ absl::StatusOr<identify::Fit> Check::Under(const identify::Fit& fit) {
 }
 
 bool Check::SharesSetup(const identify::Problem& fit) const {
-  return std::any_of(runs_.begin(), runs_.end(),
-                     [&](const MeasuringRun& run) { return identify::SharedSetup(run, fit).has_value(); });
+  return std::any_of(runs_.begin(), runs_.end(), [&](const MeasuringRun& run) {
+    return identify::SharedSetup(run, fit) || identify::SharedScale(run, fit);
+  });
 }
 
 bool Check::Settled::IsUnder(const identify::Fit& fit) const {
@@ -127,14 +128,13 @@ absl::StatusOr<std::shared_ptr<const identify::Fit>> Check::Joint(const identify
   options.raise_noise = false;
   // Balls that the check sessions alone pulled far across the bar come back in short steps.
   options.max_iterations *= 5;
-  std::vector<Eigen::VectorXd> setup(joint.groups.size());
-  for (size_t i = 0; i < joint.runs.size(); ++i) {  // a set-up that is shared: the fit's, whose sessions come first
-    Eigen::VectorXd& of_group = setup[static_cast<size_t>(joint.group_of_run[i])];
-    if (of_group.size() > 0) continue;
-    of_group = i < fitted ? best.point.setup[static_cast<size_t>(best.problem.group_of_run[i])]
-                          : settled_.point.setup[static_cast<size_t>(settled_.problem.group_of_run[i - fitted])];
+  identify::Point start = identify::StartingPoint(joint, best.result.model);
+  for (size_t i = joint.runs.size(); i-- > 0;) {  // an offset that is shared: the fit's, whose sessions come first
+    start.setup[static_cast<size_t>(joint.group_of_run[i])](joint.offsets_of_run[i]) =
+        i < fitted ? identify::SetupOf(best.problem, best.point, i)
+                   : identify::SetupOf(settled_.problem, settled_.point, i - fitted);
   }
-  ASSIGN_OR_RETURN(identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options, setup));
+  ASSIGN_OR_RETURN(identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options, start.setup));
   auto kept = std::make_shared<const identify::Fit>(std::move(fit));
   if (is_settled_under) settled_.joint = kept;
   return kept;

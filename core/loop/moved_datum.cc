@@ -39,7 +39,7 @@ absl::StatusOr<std::vector<reports::WarningFacts>> DatumWithout(const std::vecto
 
 absl::StatusOr<std::vector<reports::WarningFacts>> ProposeDatum(const identify::Fit& fit, const Extension& extension,
                                                                 const identify::Options& options) {
-  if (fit.problem.groups.size() < 2) return std::vector<reports::WarningFacts>();
+  if (identify::CountSetups(fit.problem) < 2) return std::vector<reports::WarningFacts>();
   std::vector<reports::WarningFacts> found = identify::FindMovedDatum(fit);
   if (!found.empty()) return found;
   std::vector<size_t> effects;

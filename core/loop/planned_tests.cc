@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "core/identify/noise.h"
@@ -106,8 +107,10 @@ identify::Problem Together(const identify::Problem& measured, const std::vector<
     together.runs.push_back(test->run);
     together.noise.push_back(test->noise);
     together.is_used.emplace_back(test->run.measured_mm.size(), true);
-    together.groups.push_back({test->run.setup_name, test->run.setup, {run}});
+    together.groups.push_back({test->run.setup, {run}});
     together.group_of_run.push_back(group);
+    std::vector<Eigen::Index>& offsets = together.offsets_of_run.emplace_back(test->run.setup.size());
+    std::iota(offsets.begin(), offsets.end(), 0);
   }
   return together;
 }

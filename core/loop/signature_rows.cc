@@ -15,7 +15,7 @@ using instruments::MeasuringRun;
 class RowSink {
  public:
   // `columns`: those of `errors` stand last.
-  RowSink(const identify::Problem& problem, int run, int setup_count, Eigen::Index errors, std::vector<int> next,
+  RowSink(const identify::Problem& problem, int run, Eigen::Index errors, std::vector<int> next,
           Eigen::MatrixXd* columns, Eigen::VectorXd* residual, Signatures* out)
       : run_(run),
         next_(std::move(next)),
@@ -23,7 +23,7 @@ class RowSink {
         has_echo_(problem.noise[run].white_share != 0.0),
         bounding_(problem.runs[run].row_count,
                   identify::SeriesWhitener(identify::BoundingAr1(problem.noise[run]).noise, 0)),
-        row_(setup_count + errors + 1),
+        row_(identify::SetupCount(problem, run) + errors + 1),
         columns_(columns),
         residual_(residual),
         out_(out) {}
@@ -89,8 +89,7 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     std::vector<int> next;
     for (int row = 0; row < problem.runs[i].row_count; ++row) next.push_back(series_[first_series++].begin);
-    RowSink sink(problem, static_cast<int>(i), static_cast<int>(problem.runs[i].setup.size()), p, std::move(next),
-                 &columns, &residual, this);
+    RowSink sink(problem, static_cast<int>(i), p, std::move(next), &columns, &residual, this);
     identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
   }
   is_white_ = (correlation_ == 0.0).all();

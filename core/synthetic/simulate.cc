@@ -10,6 +10,7 @@
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/evaluation.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
 
@@ -109,11 +110,18 @@ class Noise {
   std::map<std::vector<double>, double> of_pose_;
 };
 
-std::vector<double> DrawSetup(const instruments::MeasuringRun& run, base::Random* random) {
+// What one seed for all sessions draws of the thing that is called so.
+double DrawOf(uint64_t seed, const std::string& thing) {
+  return base::Random(base::StreamSeed(seed, base::Crc32c(0, thing.data(), thing.size()))).Normal();
+}
+
+std::vector<double> DrawSetup(const instruments::MeasuringRun& run, const NoiseOptions& noise, base::Random* random) {
   std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
   for (size_t i = 0; i < run.setup.size(); ++i) {
     const double sigma = run.setup[i].prior_sigma;
     if (std::isfinite(sigma)) setup[i] = sigma * random->Normal();
+    if (noise.stated_seed && !run.scale_of.empty() && run.setup[i].name == length::kScaleName)
+      setup[i] = sigma * DrawOf(*noise.stated_seed, "scale of instrument " + run.scale_of);
     if (run.setup[i].held) setup[i] = *run.setup[i].held;
   }
   return setup;
@@ -126,8 +134,7 @@ Eigen::MatrixXd DrawStated(const instruments::MeasuringRun& run, const NoiseOpti
   for (const instruments::StatedEffect& effect : run.stated) {
     if (effect.is_workpiece) continue;
     if (off_mm.size() == 0) off_mm.setZero(effect.mm.rows(), effect.mm.cols());
-    base::Random random(base::StreamSeed(*noise.stated_seed, base::Crc32c(0, effect.of.data(), effect.of.size())));
-    off_mm += random.Normal() * effect.by_sigma_mm;
+    off_mm += DrawOf(*noise.stated_seed, effect.of) * effect.by_sigma_mm;
   }
   return off_mm;
 }
@@ -163,7 +170,7 @@ absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const 
 
   base::Random random(noise.seed), of_setup(noise.setup_seed.value_or(0));
   std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
-  if (noise.draw_setup) setup = DrawSetup(run, noise.setup_seed ? &of_setup : &random);
+  if (noise.draw_setup) setup = DrawSetup(run, noise, noise.setup_seed ? &of_setup : &random);
   const Eigen::MatrixXd stated_mm = DrawStated(run, noise);
   const double sigma_mm = noise.sigma_scale * run.sigma_mm;
   Noise noises(noise, run.row_count);

@@ -29,8 +29,9 @@ struct NoiseOptions {
   uint64_t seed = 1;
   // Of the set-up alone, so that sessions with the same set-up get the same offsets; from `seed` where absent.
   std::optional<uint64_t> setup_seed;
-  // Of what headers state with an uncertainty (instruments/stated.h): with one seed for all sessions the same fact is
-  // off by the same amount in all of them. Absent: facts are as they are stated.
+  // Of what headers state with an uncertainty (instruments/stated.h; the scale of an instrument of a serial number):
+  // with one seed for all sessions the same fact is off by the same amount in all of them. Absent: facts are as they
+  // are stated, scales off in each session by itself.
   std::optional<uint64_t> stated_seed;
 };
 

@@ -14,7 +14,7 @@ constexpr double kPlaceMm = 5.0, kTiltRad = 0.01, kScaleMm = 0.001;
 void AddCommon(std::vector<instruments::SetupParameter>* setup) {
   for (const char* name : {"target_x", "target_y", "target_z"}) setup->push_back({name, kPlaceMm, true, false});
   setup->push_back({"zero", std::numeric_limits<double>::infinity(), true, false});
-  setup->push_back({"scale", kScaleMm, false, false});
+  setup->push_back({kScaleName, kScaleMm, false, false});
 }
 
 void ClearWorkBranch(const machine::Machine& machine, Eigen::Ref<Eigen::RowVectorXd> by_error) {

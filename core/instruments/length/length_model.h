@@ -19,6 +19,7 @@
 namespace axiscal::length {
 
 inline constexpr double kPerMetre = 1e-3;  // a scale of 1 mm per metre
+inline constexpr char kScaleName[] = "scale";
 
 std::vector<instruments::SetupParameter> SetupParameters();
 std::vector<instruments::SetupParameter> BeamSetupParameters();
