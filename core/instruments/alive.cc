@@ -68,7 +68,8 @@ bool IsDead(const MeasuringRun& run, int row, const Stretch& stretch, const std:
 
 }  // namespace
 
-absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run) {
+absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run,
+                        const std::vector<size_t>* log_lines) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
   if (instrument == nullptr) return absl::OkStatus();
   for (size_t row = 0; row < instrument->reading_columns.size(); ++row) {
@@ -82,8 +83,9 @@ absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run
         "line %d: readings %d to %d of session '%s': %s = %g mm in all of them while the machine moves, expected "
         "readings "
         "that scatter: an instrument that reads the same at more than %d moves is not connected, stuck or off scale",
-        session::ReadingLine(session.header.size(), static_cast<size_t>(first)), first + 1, last + 1, run.session,
-        instrument->reading_columns[row], run.measured_mm(static_cast<Eigen::Index>(row), longest.first), kDeadMoves));
+        session::ReadingLine(session.header.size(), static_cast<size_t>(first), log_lines), first + 1, last + 1,
+        run.session, instrument->reading_columns[row], run.measured_mm(static_cast<Eigen::Index>(row), longest.first),
+        kDeadMoves));
   }
   return absl::OkStatus();
 }

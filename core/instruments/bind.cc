@@ -26,8 +26,9 @@ using session::Session;
 
 class Binder {
  public:
-  Binder(const Session& session, const machine::Machine& machine, size_t readings_before)
-      : session_(session), machine_(machine) {
+  Binder(const Session& session, const machine::Machine& machine, size_t readings_before,
+         const std::vector<size_t>* log_lines = nullptr)
+      : session_(session), machine_(machine), log_lines_(log_lines) {
     run_.readings_before = static_cast<int>(readings_before);
   }
 
@@ -262,7 +263,7 @@ class Binder {
 
   absl::StatusOr<MeasuringRun> BindPaths() {
     run_.axis_count = machine_.axis_count();
-    RETURN_IF_ERROR(eccentricity::BindEccentricities(machine_, session_, &run_));
+    RETURN_IF_ERROR(eccentricity::BindEccentricities(machine_, session_, log_lines_, &run_));
     BindCertificates(session_, &run_);
     DeriveMotion(&run_);
     return std::move(run_);
@@ -325,6 +326,7 @@ class Binder {
 
   const Session& session_;
   const machine::Machine& machine_;
+  const std::vector<size_t>* const log_lines_;
   const Instrument* instrument_ = nullptr;
   MeasuringRun run_;
 };
@@ -337,8 +339,8 @@ absl::StatusOr<MeasuringRun> BindSession(const Session& session, const machine::
 }
 
 absl::StatusOr<MeasuringRun> BindReadings(const Session& session, const machine::Machine& machine,
-                                          size_t readings_before) {
-  return Binder(session, machine, readings_before).Bind(/*for_fit=*/false);
+                                          size_t readings_before, const std::vector<size_t>* log_lines) {
+  return Binder(session, machine, readings_before, log_lines).Bind(/*for_fit=*/false);
 }
 
 }  // namespace axiscal::instruments

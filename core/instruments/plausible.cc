@@ -65,14 +65,15 @@ bool IsSurelyNear(const MeasuringRun& run, int reading, const double* predicted_
 
 }  // namespace
 
-absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before) {
+absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before,
+                            const std::vector<size_t>* log_lines) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
   if (instrument == nullptr) return absl::OkStatus();
   // Eccentricities without paths are stored, but nothing is identified from them.
   if (instrument->kind == Kind::kEccentricity && !eccentricity::HasPaths(session)) return absl::OkStatus();
-  ASSIGN_OR_RETURN(MeasuringRun run, BindReadings(session, machine, readings_before));
+  ASSIGN_OR_RETURN(MeasuringRun run, BindReadings(session, machine, readings_before, log_lines));
   if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound
-  RETURN_IF_ERROR(CheckAlive(session, run));
+  RETURN_IF_ERROR(CheckAlive(session, run, log_lines));
   if (run.kind == Kind::kDirection) return absl::OkStatus();
   if (run.kind == Kind::kTracker) run.tracker_from_machine = tracker::StartingPose(machine, run);
   if (run.kind == Kind::kLength && !length::HasStatedZero(run)) run.length.zero_mm = length::StartingZero(machine, run);
@@ -94,8 +95,8 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
           "line %d: reading %d of session '%s': %s = %g mm, but at these positions the nominal machine would read %g "
           "mm, expected within %g mm: are the units (mm, deg), the signs of machine %s, tool_tip_mm and table_ball_mm "
           "right?%s",
-          session::ReadingLine(session.header.size(), place), place + 1, run.session, instrument->reading_columns[row],
-          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id,
+          session::ReadingLine(session.header.size(), place, log_lines), place + 1, run.session,
+          instrument->reading_columns[row], measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id,
           run.kind == Kind::kLength    ? " (and anchor_mm or beam; the zero is the middle reading's)"
           : run.kind == Kind::kTracker ? " (the tracker stands where its readings fit best)"
                                        : ""));

@@ -19,9 +19,9 @@ inline constexpr double kMaxDisagreementMm = 50.0;
 // than kMaxDisagreementMm (of a tracker, whose frame is not known beforehand, where its readings fit best, but for
 // reference targets; not of directions), or of readings that CheckAlive refuses. OK for instruments that this library
 // does not know. The session must be valid and of this machine; `readings_before` counts the readings before it where
-// it is a part of a session.
+// it is a part of a session; `log_lines`: of all its readings, where they came from a log, whose lines are then named.
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine,
-                            size_t readings_before = 0);
+                            size_t readings_before = 0, const std::vector<size_t>* log_lines = nullptr);
 
 // INVALID_ARGUMENT with lines, numbers, session and value of the longest stretch of equal readings while the machine
 // moves more than kDeadMoves times, if chance makes such a stretch in fewer than one of 1e9 sessions. Chance is judged
@@ -29,7 +29,8 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
 // on a coarse display or without noise may stay equal, but not through a whole session. `run` is the bound session or a
 // part of it; a later part that is equal throughout passes here and is judged with the whole session.
 inline constexpr int kDeadMoves = 20;
-absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run);
+absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run,
+                        const std::vector<size_t>* log_lines = nullptr);
 
 }  // namespace axiscal::instruments
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "core/base/units.h"
@@ -49,10 +50,7 @@ class Reducer {
     RETURN_IF_ERROR(CheckValues());
     Report();
     RETURN_IF_ERROR(base::Within(template_.name, session::Validate(out_.session)));
-    if (options_.machine != nullptr) {
-      RETURN_IF_ERROR(base::Within(log_name_, session::CheckAgainstMachine(out_.session, *options_.machine)));
-      RETURN_IF_ERROR(base::Within(log_name_, instruments::CheckPlausible(out_.session, *options_.machine)));
-    }
+    if (options_.machine != nullptr) RETURN_IF_ERROR(CheckReadings(*options_.machine));
     return std::move(out_);
   }
 
@@ -433,6 +431,28 @@ class Reducer {
       }
     }
     return absl::OkStatus();
+  }
+
+  // What is wrong with a line of the log by its machine.
+  absl::Status InLog(const absl::Status& status) const {
+    size_t line = 0;
+    if (status.ok()) return status;
+    const std::string message(status.message()), whole = absl::StrCat(log_name_, ": ", message);
+    const size_t at = message.starts_with("line ") ? 0 : message.find(": line ");
+    const size_t number = at == std::string::npos ? at : message.find_first_of("0123456789", at);
+    if (number == std::string::npos || std::sscanf(message.c_str() + number, "%zu", &line) != 1)
+      return absl::InvalidArgumentError(whole);
+    return WrongAt({line, 0, ""}, whole);
+  }
+
+  // Readings against the machine, told by the log's line.
+  absl::Status CheckReadings(const machine::Machine& machine) const {
+    std::vector<std::string> names;
+    for (const Column& column : out_.session.columns) names.push_back(column.name);
+    const auto check = session::MachineCheck::Create(out_.session.header, names, machine);
+    if (!check.ok()) return base::Within(options_.plan != nullptr ? "the plan" : template_.name, check.status());
+    RETURN_IF_ERROR(InLog(check->Check(out_.session.columns, &out_.lines)));
+    return InLog(instruments::CheckPlausible(out_.session, machine, 0, &out_.lines));
   }
 
   void Report() {

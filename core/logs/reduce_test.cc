@@ -99,6 +99,30 @@ TEST(Reduce, ACutLastLineIsReportedAndNotInvented) {
               HasSubstr("probe.log: line 25, column 17: the line's end, expected also Z"));
 }
 
+// A reading that the machine cannot give, a position beyond its travel: named by the log's line, which the user has.
+TEST(Reduce, WhatTheMachineRefusesIsNamedByTheLogsLine) {
+  machine::Machine machine = machine::testing::MultiTasking();
+  const std::string rules =
+      "# machine: mt\n# session: laser\n# instrument: length\n# sigma_um: 1\n# tool_tip_mm: 0 0 -150\n# beam: 1 0 0\n"
+      "line: {t_s} {L_mm} {X_mm} {Y_mm} {Z_mm} {B_deg} {C_deg}\nskip: LASER{*}\n";
+  const auto log = [](const std::string& length_mm, const std::string& x_mm) {
+    return "LASER 1\nLASER 2\n0 0.001 0 0 0 0 0\nLASER 3\nLASER 4\nLASER 5\n1 9.999 10 0 0 0 0\n\nLASER 6\n2 " +
+           length_mm + " " + x_mm + " 0 0 0 0\n3 30.002 30 0 0 0 0\n";
+  };
+  ASSERT_TRUE(ReduceText(log("20.001", "20"), rules, &machine).ok())
+      << ReduceText(log("20.001", "20"), rules, &machine).status();
+  const auto far = ReduceText(log("120.001", "20"), rules, &machine);
+  EXPECT_THAT(Refusal(far), HasSubstr("probe.log: line 10: reading 3 of session 'laser': L_mm = 120.001 mm"));
+  const auto detail = base::GetErrorDetail(far.status());
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, "LOG_INVALID");
+  EXPECT_EQ(detail->facts.at("line"), "10");
+  machine.axes[machine::FindAxis(machine, "X")].min_position = 0.0;
+  machine.axes[machine::FindAxis(machine, "X")].max_position = 50.0;
+  const auto beyond = ReduceText(log("60.001", "60"), rules, &machine);
+  EXPECT_THAT(Refusal(beyond), HasSubstr("probe.log: line 10 (X_mm): 60 is beyond the travel of X"));
+}
+
 TEST(Reduce, LinuxCncLogsHaveNineNumbers) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const std::string rules = std::string(kHeader) + "format: linuxcnc-probe\napproach: feature\nseconds: 5\n";

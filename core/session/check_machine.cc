@@ -46,7 +46,8 @@ absl::Status CheckDatum(const std::vector<HeaderEntry>& header, const machine::M
   return absl::OkStatus();
 }
 
-absl::Status CheckTravel(const Column& column, const Axis& axis, size_t header_entries, size_t index) {
+absl::Status CheckTravel(const Column& column, const Axis& axis, size_t header_entries, size_t index,
+                         const std::vector<size_t>* log_lines) {
   if (!axis.min_position || !axis.max_position) return absl::OkStatus();
   const bool linear = axis.kind == AxisKind::kLinear;
   const double unit = linear ? 1.0 : base::kRadPerDeg, tolerance = linear ? kTravelToleranceMm : kTravelToleranceRad;
@@ -57,8 +58,11 @@ absl::Status CheckTravel(const Column& column, const Axis& axis, size_t header_e
   for (size_t row = 0; !all_within && row < column.values.size(); ++row) {
     const double position = column.values[row] * unit;
     if (position >= lowest && position <= highest) continue;
-    return absl::InvalidArgumentError(absl::StrFormat("%s: %g is beyond the travel of %s, expected %g to %g",
-                                                      Place(ReadingLine(header_entries, row), index, column.name),
+    const size_t line = ReadingLine(header_entries, row, log_lines);
+    // A log's columns are not the session's.
+    const std::string place =
+        log_lines != nullptr ? absl::StrCat("line ", line, " (", column.name, ")") : Place(line, index, column.name);
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %g is beyond the travel of %s, expected %g to %g", place,
                                                       column.values[row], axis.name, *axis.min_position / unit,
                                                       *axis.max_position / unit));
   }
@@ -116,12 +120,12 @@ absl::StatusOr<MachineCheck> MachineCheck::Create(const std::vector<HeaderEntry>
   return check;
 }
 
-absl::Status MachineCheck::Check(const std::vector<Column>& columns) const {
+absl::Status MachineCheck::Check(const std::vector<Column>& columns, const std::vector<size_t>* log_lines) const {
   RETURN_IF_ERROR(wrong_machine_);
   for (const AxisColumn& column : axis_columns_) {
     RETURN_IF_ERROR(column.axis.status());
     if (!column.is_position) continue;  // an encoder may stand beyond the limit of the command
-    RETURN_IF_ERROR(CheckTravel(columns[column.index], *column.axis, header_entries_, column.index));
+    RETURN_IF_ERROR(CheckTravel(columns[column.index], *column.axis, header_entries_, column.index, log_lines));
   }
   return missing_axis_;
 }

@@ -19,8 +19,9 @@ class MachineCheck {
   static absl::StatusOr<MachineCheck> Create(const std::vector<HeaderEntry>& header,
                                              const std::vector<std::string>& columns, const machine::Machine& machine);
 
-  // As CheckAgainstMachine of a session with this header and these readings.
-  absl::Status Check(const std::vector<Column>& columns) const;
+  // As CheckAgainstMachine of a session with this header and these readings; `log_lines`: of the readings, where they
+  // came from a log, whose lines are then named.
+  absl::Status Check(const std::vector<Column>& columns, const std::vector<size_t>* log_lines = nullptr) const;
 
  private:
   struct AxisColumn {

@@ -51,8 +51,11 @@ struct ColumnRule {
   bool IsLinear() const { return kind == ColumnKind::kLinearAxis || kind == ColumnKind::kLinearEncoder; }
 };
 
-// The line, from 1, of reading `index` (from 0).
-inline size_t ReadingLine(size_t header_entries, size_t index) { return header_entries + 2 + index; }
+// The line, from 1, of reading `index` (from 0): of the session's file, or where the session was made of a log, of that
+// (`of_log`, a line by reading).
+inline size_t ReadingLine(size_t header_entries, size_t index, const std::vector<size_t>* of_log = nullptr) {
+  return of_log != nullptr ? (*of_log)[index] : header_entries + 2 + index;
+}
 // "line 9, column 3 (Y_mm)": line from 1, column from 0.
 std::string Place(size_t line, size_t column, const std::string& name);
 

@@ -58,8 +58,9 @@ absl::StatusOr<MeasuringRun> TraceOf(const machine::Machine& machine, const Path
 
 class Binder {
  public:
-  Binder(const machine::Machine& machine, const Session& session, MeasuringRun* run)
-      : machine_(machine), session_(session), run_(run) {}
+  Binder(const machine::Machine& machine, const Session& session, const std::vector<size_t>* log_lines,
+         MeasuringRun* run)
+      : machine_(machine), session_(session), log_lines_(log_lines), run_(run) {}
 
   absl::Status Bind() {
     ASSIGN_OR_RETURN(paths_, PathsOf(machine_, session_));
@@ -90,7 +91,7 @@ class Binder {
 
  private:
   std::string Line(size_t row) const {
-    return absl::StrCat("line ", session::ReadingLine(session_.header.size(), run_->readings_before + row));
+    return absl::StrCat("line ", session::ReadingLine(session_.header.size(), run_->readings_before + row, log_lines_));
   }
 
   absl::Status BindRow(size_t row, const Path& path, int sense, std::vector<double>* measured_mm) {
@@ -127,6 +128,7 @@ class Binder {
 
   const machine::Machine& machine_;
   const Session& session_;
+  const std::vector<size_t>* const log_lines_;
   MeasuringRun* run_;
   std::map<std::string, Path> paths_;
   std::map<std::pair<std::string, int>, int> trace_of_;
@@ -141,8 +143,9 @@ bool HasPaths(const Session& session) {
                      [](const session::HeaderEntry& entry) { return entry.key.rfind(kPrefix, 0) == 0; });
 }
 
-absl::Status BindEccentricities(const machine::Machine& machine, const Session& session, MeasuringRun* run) {
-  return base::Within("session '" + run->session + "'", Binder(machine, session, run).Bind());
+absl::Status BindEccentricities(const machine::Machine& machine, const Session& session,
+                                const std::vector<size_t>* log_lines, MeasuringRun* run) {
+  return base::Within("session '" + run->session + "'", Binder(machine, session, log_lines, run).Bind());
 }
 
 absl::Status AddReadingColumns(const machine::Machine& machine, Session* session) {

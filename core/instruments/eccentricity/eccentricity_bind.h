@@ -12,8 +12,9 @@ bool HasPaths(const session::Session& session);
 // Fills run->path_readings, and positions and measured_mm with one reading per sensed cell, in the order of the file.
 // `run` has its header (tip, ball, bar). INVALID_ARGUMENT naming session, line, column and rule: a run without path, a
 // sense other than -1, 0, 1, a component that the run's axis does not show, a line without any.
+// `log_lines`: of the readings, where they came from a log, whose lines are then named.
 absl::Status BindEccentricities(const machine::Machine& machine, const session::Session& session,
-                                instruments::MeasuringRun* run);
+                                const std::vector<size_t>* log_lines, instruments::MeasuringRun* run);
 
 // The columns ex_um, ey_um, ez_um of a planned session, 0 where its runs sense the component and empty elsewhere; what
 // the session has already stays.
