@@ -108,6 +108,7 @@ absl::StatusOr<std::vector<File>> ReadAll(const Inputs& inputs, const UploadArgu
     if (!machine.ok()) return base::Within(path, machine.status());
     RETURN_IF_ERROR(base::Within(path, session::CheckAgainstMachine(session, **machine)));
     RETURN_IF_ERROR(base::Within(path, instruments::CheckPlausible(session, **machine)));
+    RETURN_IF_ERROR(base::Within(path, instruments::CheckWhole(session)));
     files.push_back({path, std::move(session)});
   }
   return files;

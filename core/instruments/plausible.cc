@@ -10,6 +10,7 @@
 #include "core/instruments/evaluation.h"
 #include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
+#include "core/instruments/tracker/tracker_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/session/column_rules.h"
 
@@ -103,6 +104,14 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
     }
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckWhole(const session::Session& session) {
+  const Instrument* const instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
+  if (instrument == nullptr || instrument->kind != Kind::kTracker) return absl::OkStatus();
+  MeasuringRun run;
+  return base::Within(absl::StrCat("session '", session::FindHeader(session, "session").value_or(""), "'"),
+                      tracker::BindTargets(session, /*is_whole=*/true, &run));
 }
 
 }  // namespace axiscal::instruments

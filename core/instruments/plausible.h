@@ -23,6 +23,11 @@ inline constexpr double kMaxDisagreementMm = 50.0;
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine,
                             size_t readings_before = 0, const std::vector<size_t>* log_lines = nullptr);
 
+// Headers that speak of all readings of a session: each of a tracker's targets is read, and it was knocked between the
+// first reading and the last. The session is valid and whole; of its columns `target` and `t_s` are looked at. OK for
+// other instruments. INVALID_ARGUMENT naming session, header, value and rule.
+absl::Status CheckWhole(const session::Session& session);
+
 // INVALID_ARGUMENT with lines, numbers, session and value of the longest stretch of equal readings while the machine
 // moves more than kDeadMoves times, if chance makes such a stretch in fewer than one of 1e9 sessions. Chance is judged
 // from the session's resolution and its noise: as stated or that of its other readings, whichever is less. Readings

@@ -452,7 +452,8 @@ class Reducer {
     const auto check = session::MachineCheck::Create(out_.session.header, names, machine);
     if (!check.ok()) return base::Within(options_.plan != nullptr ? "the plan" : template_.name, check.status());
     RETURN_IF_ERROR(InLog(check->Check(out_.session.columns, &out_.lines)));
-    return InLog(instruments::CheckPlausible(out_.session, machine, 0, &out_.lines));
+    RETURN_IF_ERROR(InLog(instruments::CheckPlausible(out_.session, machine, 0, &out_.lines)));
+    return base::Within(log_name_, instruments::CheckWhole(out_.session));
   }
 
   void Report() {

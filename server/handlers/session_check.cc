@@ -1,5 +1,6 @@
 #include "server/handlers/session_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/error_detail.h"
@@ -40,6 +41,27 @@ std::vector<std::string> NamesOf(const std::vector<records::ColumnSpec>& columns
   std::vector<std::string> names;
   for (const records::ColumnSpec& column : columns) names.push_back(column.name);
   return names;
+}
+
+// Headers that speak of all readings, once those are there. Only a tracker's do, by the targets that it read.
+absl::Status CheckWhole(Core& core, SessionId id, const records::SessionTotals& totals) {
+  ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.GetSession(id));
+  session::Session whole{record.header, {{"t_s", {}, {}}, {"target", {}, {}}}};
+  std::vector<double>& times_s = whole.columns[0].values;
+  std::vector<std::string>& targets = whole.columns[1].texts;
+  const bool has_targets = std::any_of(record.columns.begin(), record.columns.end(),
+                                       [](const records::ColumnSpec& column) { return column.name == "target"; });
+  if (!has_targets || record.state != records::SessionState::kOpen || record.reading_count != totals.reading_count)
+    return absl::OkStatus();
+  RETURN_IF_ERROR(core.database.ReadChunks(id, 0, [&](const records::Chunk& chunk) {
+    for (const session::Column& column : chunk.columns()) {
+      if (column.name == "t_s") times_s.insert(times_s.end(), column.values.begin(), column.values.end());
+      if (column.name == "target") targets.insert(targets.end(), column.texts.begin(), column.texts.end());
+    }
+    return absl::OkStatus();
+  }));
+  if (times_s.empty()) whole.columns.erase(whole.columns.begin());
+  return Invalid(instruments::CheckWhole(whole), "schema.header");
 }
 
 // When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.
@@ -147,6 +169,7 @@ absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, c
   if (totals.reading_count == 0) {
     return Invalid(absl::InvalidArgumentError("no readings, expected at least one"), "totals.readings");
   }
+  RETURN_IF_ERROR(CheckWhole(core, id, totals));
   ASSIGN_OR_RETURN(records::SessionRecord record, core.database.FinishSession(id, totals));
   core.run_soon(record.machine);
   return record;

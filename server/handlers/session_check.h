@@ -51,7 +51,8 @@ class ReadingCheck {
   std::optional<double> last_time_s_;
 };
 
-// Database::FinishSession for a session that has readings.
+// Database::FinishSession for a session that has readings. INVALID_ARGUMENT SESSION_INVALID where a header speaks of
+// readings that it has not (instruments::CheckWhole).
 absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, const records::SessionTotals& totals);
 
 // What the store is asked to open. Measured when its header `started` says (ISO 8601; without a zone it is UTC).

@@ -175,6 +175,37 @@ TEST_F(Upload, ABadReadingRefusesTheSessionWithItsLineAndColumn) {
   EXPECT_TRUE(complete->rows.empty());
 }
 
+// Headers that speak of all readings are judged when those are there.
+TEST_F(Upload, WhatATrackersHeaderSaysOfItsReadingsIsRefusedBeforeItIsStored) {
+  const auto refusal = [&](const std::vector<session::HeaderEntry>& keys) {
+    session::Session session;
+    session.header = {{"machine", "mt"},           {"session", "T"},
+                      {"instrument", "tracker"},   {"sigma_um", "5"},
+                      {"tool_tip_mm", "0 0 -150"}, {"reference R", "900 -500 100"}};
+    session.header.insert(session.header.end(), keys.begin(), keys.end());
+    const std::vector<double> x_mm = {0, 0, 100, 0}, zero(4, 0.0);
+    session.columns = {{"t_s", {0, 10, 20, 30}, {}}};
+    for (const char* const name : {"X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg"})
+      session.columns.push_back({name, name == std::string("X_mm") ? x_mm : zero, {}});
+    session.columns.push_back({"target", {}, {"R", "tool", "tool", "R"}});
+    session.columns.push_back({"px_mm", {900, 0, 100, 900}, {}});
+    session.columns.push_back({"py_mm", {-500, 0, 0, -500}, {}});
+    session.columns.push_back({"pz_mm", {100, -150, -150, 100}, {}});
+    return std::string(client().Upload(MachineId("mt"), session).status().message());
+  };
+  EXPECT_NE(refusal({{"knocked_s", "300"}})
+                .find("session 'T': header 'knocked_s: 300', expected times between the first and the last reading, "
+                      "t_s 0 to 30"),
+            std::string::npos)
+      << refusal({{"knocked_s", "300"}});
+  EXPECT_NE(refusal({{"reference S", "0 0 1"}}).find("'reference S' is of a target that no reading is of"),
+            std::string::npos);
+  const auto complete = client().ListSessions({.machine = {}, .state = records::SessionState::kComplete});
+  ASSERT_OK(complete);
+  EXPECT_TRUE(complete->rows.empty());
+  EXPECT_EQ(refusal({{"knocked_s", "15"}}), "");
+}
+
 TEST_F(Upload, ReadingsThatTheMachineCannotGiveAreRefusedFromAnyClient) {
   session::Session metres = BallbarSession("mt", "metres", 3'000);
   for (const int column : {1, 2, 3}) {

@@ -168,6 +168,16 @@ TEST(Tracker, WhatItCannotBeOfIsRefused) {
   EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"knocked_s", "30300"}}, two),
               AllOf(HasSubstr("'knocked_s: 30300'"), HasSubstr("between the first and the last reading, t_s")));
   EXPECT_THAT(refusal({{"reference B", "0 0 1"}, {"knocked_s", "-5"}}, two), HasSubstr("'knocked_s: -5'"));
+  // The same before it is stored: of the whole, as a part cannot tell.
+  const auto whole = [&](const std::vector<session::HeaderEntry>& keys) {
+    return std::string(instruments::CheckWhole(SessionOf(keys, two)).message());
+  };
+  EXPECT_EQ(whole({{"reference B", "0 0 1"}, {"knocked_s", "15"}}), "");
+  EXPECT_EQ(
+      whole({{"reference B", "0 0 1"}, {"knocked_s", "30300"}}),
+      "session 'T': header 'knocked_s: 30300', expected times between the first and the last reading, t_s 0 to 20");
+  EXPECT_THAT(whole({{"reference B", "0 0 1"}, {"reference C", "0 0 1"}}),
+              HasSubstr("session 'T': header 'reference C' is of a target that no reading is of"));
   session::Session without = SessionOf({{"reference B", "0 0 1"}}, two);
   std::erase_if(without.columns, [](const session::Column& column) { return column.name == "target"; });
   EXPECT_THAT(std::string(Bind(without).status().message()), HasSubstr("need the column target"));
