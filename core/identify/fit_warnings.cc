@@ -175,18 +175,17 @@ double SizeMm(const Problem& problem) {
 
 // Lengths that the files state and that somebody may have forgotten or counted twice, where they are within a tenth of
 // `length_mm`.
-void AddNear(const Problem& problem, double length_mm, std::vector<std::string>* near) {
+void AddNear(const Problem& problem, double length_mm, std::vector<reports::BeyondSize::Radius>* near) {
   constexpr double kAbout = 0.1;
-  const auto add = [&](const std::string& what, double mm) {
-    if (!(std::abs(std::abs(length_mm) - mm) < kAbout * mm)) return;
-    std::string text = absl::StrFormat("%s of %g mm", what, mm);
-    if (std::find(near->begin(), near->end(), text) == near->end()) near->push_back(std::move(text));
+  const auto add = [&](const reports::BeyondSize::Radius& one) {
+    if (!(std::abs(std::abs(length_mm) - one.mm) < kAbout * one.mm)) return;
+    if (std::find(near->begin(), near->end(), one) == near->end()) near->push_back(one);
   };
   for (const instruments::MeasuringRun& run : problem.runs) {
     if (run.kind != instruments::Kind::kTouch) continue;
-    add("the stylus radius", run.touches.stylus_radius_mm);
+    add({run.touches.stylus_radius_mm});
     for (const touch::Feature& feature : run.touches.features) {
-      if (feature.is_sphere) add("the radius of sphere " + feature.name, feature.radius_mm);
+      if (feature.is_sphere) add({feature.radius_mm, feature.name});
     }
   }
 }
@@ -234,8 +233,8 @@ std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const 
       if (!setup[k].is_placed) continue;
       if (!std::isfinite(setup[k].prior_sigma) || !(at_least > kMountings * setup[k].prior_sigma)) continue;
       const double per_unit = offset.is_angle ? base::kUradPerRad : base::kUmPerMm;
-      beyond.offsets.push_back({absl::StrCat(offset.name, " of set-up ", problem.runs[i].setup_name),
-                                offset.value * per_unit, offset.is_angle ? "urad" : "um"});
+      beyond.offsets.push_back(
+          {offset.name, offset.value * per_unit, offset.is_angle ? "urad" : "um", problem.runs[i].setup_name});
       if (!offset.is_angle) AddNear(problem, offset.value, &beyond.near);
     }
   }
@@ -299,7 +298,7 @@ std::vector<reports::WarningFacts> SharedWithHeld(const Problem& problem, const 
       const Eigen::ArrayXd moved = with_setup.col(problem.offsets_of_run[i][k]) / parameter.prior_sigma;
       const Eigen::ArrayXd sigma = covariance.errors.diagonal().array().max(0.0).sqrt();
       if ((moved.abs() > kRests * sigma && sigma > 0.0).any())
-        shared.offsets.push_back(absl::StrCat(parameter.name, " of set-up ", run.setup_name));
+        shared.offsets.push_back({parameter.name, run.setup_name});
     }
   }
   if (shared.sessions.empty() && shared.offsets.empty()) return {};

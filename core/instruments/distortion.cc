@@ -89,23 +89,29 @@ const char* WordOf(Distortion::Kind kind) {
   return kWords[kind];
 }
 
-std::string TextOf(const Distortion& one) {
-  const char* const where = one.carrier == Carrier::kTool ? "in the tool holder" : "on the table";
+std::string TextOf(const Distortion& one, base::Language language) {
+  const bool is_german = language == base::Language::kGerman, is_tool = one.carrier == Carrier::kTool;
+  const char* const where =
+      is_german ? (is_tool ? "im Werkzeughalter" : "auf dem Tisch") : (is_tool ? "in the tool holder" : "on the table");
   switch (one.kind) {
     case Distortion::kGain:
-      return "the gain of its channels";
+      return is_german ? "die Verstärkung seiner Kanäle" : "the gain of its channels";
     case Distortion::kScale:
-      return "its length, which grows with the temperature";
+      return is_german ? "seine Länge, die mit der Temperatur wächst" : "its length, which grows with the temperature";
     case Distortion::kBall:
-      return absl::StrCat("its ball ", where, ", which is not round");
+      return is_german ? absl::StrCat("seine Kugel ", where, ", die nicht rund ist")
+                       : absl::StrCat("its ball ", where, ", which is not round");
     case Distortion::kLobes:
-      return absl::StrCat(one.order, " lobes of its ball ", where);
+      return absl::StrCat(one.order, is_german ? " Wellen seiner Kugel " : " lobes of its ball ", where);
     case Distortion::kGrowth:
-      return absl::StrCat("its growth after each session's start, within ", std::lround(one.tau_s), " s");
+      return absl::StrCat(is_german ? "sein Wachsen nach dem Beginn jeder Messung, innerhalb von "
+                                    : "its growth after each session's start, within ",
+                          std::lround(one.tau_s), " s");
     case Distortion::kMotion:
-      return absl::StrCat("a slow motion of what stands ", where);
+      return is_german ? absl::StrCat("ein langsames Wandern dessen, was ", where, " steht")
+                       : absl::StrCat("a slow motion of what stands ", where);
     case Distortion::kClock:
-      return "its clock, which is not that of the control";
+      return is_german ? "seine Uhr, die nicht die der Steuerung ist" : "its clock, which is not that of the control";
   }
   return "";
 }

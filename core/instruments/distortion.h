@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/language.h"
 #include "core/instruments/evaluation.h"
 
 namespace axiscal::instruments {
@@ -36,7 +37,7 @@ bool CanHave(const MeasuringRun& run, const Distortion& distortion);
 
 // "gain", "scale" ... ; "a gain of its channels" ... for a reader.
 const char* WordOf(Distortion::Kind kind);
-std::string TextOf(const Distortion& distortion);
+std::string TextOf(const Distortion& distortion, base::Language language = base::Language::kEnglish);
 
 int AmplitudeCount(const Distortion& distortion, int row_count);
 // Relative prior variance of each amplitude: the finer a harmonic, the smaller it is.

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "core/base/language.h"
 #include "core/base/units.h"
 #include "core/instruments/distortion.h"
 #include "core/instruments/registry.h"
@@ -38,13 +39,16 @@ std::vector<Mean> MeansOf(const Extension& extension, size_t effect, const ident
 
 // Those that stand out of their uncertainty, in a unit.
 std::string Clear(const std::vector<Mean>& means, const std::vector<std::string>& names, double factor,
-                  const char* unit) {
+                  const char* unit, base::Language language) {
   constexpr double kClear = 3.0;  // standard uncertainties
   std::vector<std::string> texts;
   for (size_t k = 0; k < means.size(); ++k) {
     if (std::abs(means[k].value) < kClear * means[k].sigma) continue;
-    texts.push_back(
-        absl::StrFormat("%s%+.3g +- %.2g %s", names[k], means[k].value * factor, means[k].sigma * factor, unit));
+    const double value = means[k].value * factor, sigma = means[k].sigma * factor;
+    texts.push_back(names[k] + (language == base::Language::kEnglish
+                                    ? absl::StrFormat("%+.3g +- %.2g %s", value, sigma, unit)
+                                    : base::NumberIn(language, absl::StrFormat("%+.3g ± %.2g ", value, sigma)) +
+                                          (unit[0] == 'u' ? "µ" + std::string(unit + 1) : unit)));
   }
   return absl::StrJoin(texts, ", ");
 }
@@ -70,31 +74,43 @@ double SizeOf(const std::vector<Mean>& means) {
   return std::sqrt(squares);
 }
 
-std::string CorrectionOf(const Distortion& one, const std::vector<Mean>& means, int rows) {
-  const auto with = [](std::string text, const std::string& values) {
-    return values.empty() ? text : absl::StrCat(text, ": ", values);
+std::string CorrectionOf(const Distortion& one, const std::vector<Mean>& means, int rows, base::Language language) {
+  const bool is_german = language == base::Language::kGerman;
+  // By how much; the numbers that are clear behind it.
+  const auto say = [&](const char* english, const char* german, const std::vector<Mean>& of,
+                       const std::vector<std::string>& names, double factor, const char* unit) {
+    const std::string values = Clear(of, names, factor, unit, language);
+    return absl::StrCat(is_german ? german : english, values.empty() ? "" : ": ", values);
+  };
+  const auto size = [&](const char* english, const char* german) {
+    const std::string of = absl::StrFormat("%.2g", SizeOf(means) * base::kUmPerMm);
+    return is_german ? absl::StrCat(german, base::NumberIn(language, of), " µm, Wurzel der Summe der Quadrate")
+                     : absl::StrCat(english, of, " um, root of the sum of squares");
   };
   const std::vector<std::string> nothing(means.size());
   switch (one.kind) {
     case Distortion::kGain:
-      return with("calibrate the instrument; it reads too much",
-                  Clear(means, ChannelNames(rows), 100.0 / instruments::kGainReadingMm, "%"));
+      return say("calibrate the instrument; it reads too much", "das Messmittel kalibrieren; es zeigt zu viel", means,
+                 ChannelNames(rows), 100.0 / instruments::kGainReadingMm, "%");
     case Distortion::kScale:
-      return with("state the expansion of the instrument's length, or correct it for temperature",
-                  Clear(means, nothing, 1e6 / instruments::kScaleLengthMm, "um/m/K"));
+      return say("state the expansion of the instrument's length, or correct it for temperature",
+                 "die Ausdehnung seiner Länge angeben, oder sie auf die Temperatur korrigieren", means, nothing,
+                 1e6 / instruments::kScaleLengthMm, "um/m/K");
     case Distortion::kClock:
       // The speeds beside the first do not change how late it is.
-      return with("set the instrument's clock by the control's; it reads late by",
-                  Clear({means.front()}, {""}, 1e3 / instruments::kClockSpeedMmPerS, "ms"));
+      return say("set the instrument's clock by the control's; it reads late by",
+                 "seine Uhr nach der der Steuerung stellen; es misst zu spät, um", {means.front()}, {""},
+                 1e3 / instruments::kClockSpeedMmPerS, "ms");
     case Distortion::kBall:
     case Distortion::kLobes:
-      return absl::StrFormat("clean, check or change the ball; it is off by %.2g um, root of the sum of squares",
-                             SizeOf(means) * base::kUmPerMm);
+      return size("clean, check or change the ball; it is off by ",
+                  "die Kugel reinigen, prüfen oder wechseln; sie weicht ab um ");
     case Distortion::kGrowth:
-      return with("let the instrument warm up; it grows by", Clear(means, nothing, base::kUmPerMm, "um"));
+      return say("let the instrument warm up; it grows by", "das Messmittel warm werden lassen; es wächst um", means,
+                 nothing, base::kUmPerMm, "um");
     case Distortion::kMotion:
-      return absl::StrFormat("clamp it better, or wait until it rests; it moves by %.2g um, root of the sum of squares",
-                             SizeOf(means) * base::kUmPerMm);
+      return size("clamp it better, or wait until it rests; it moves by ",
+                  "besser spannen, oder warten, bis es ruht; es wandert um ");
   }
   return "";
 }
@@ -115,10 +131,15 @@ Cause CauseOf(const Extension& extension, size_t effect, const identify::Fit& fi
   const int rows = fit.problem.runs[static_cast<size_t>(sessions.front())].row_count;
   const std::vector<Mean> means =
       MeansOf(extension, effect, fit, sessions, instruments::AmplitudeCount(distortion, rows));
-  return {Cause::kInstrument,
-          absl::StrCat(NameOf(distortion.instrument), ": ", instruments::TextOf(distortion), "; sessions ",
-                       absl::StrJoin(names, ", ")),
-          added.score, CorrectionOf(distortion, means, rows)};
+  const auto subject = [&](base::Language language) {
+    return absl::StrCat(NameOf(distortion.instrument), ": ", instruments::TextOf(distortion, language),
+                        language == base::Language::kGerman ? "; Messungen " : "; sessions ",
+                        absl::StrJoin(names, ", "));
+  };
+  using enum base::Language;
+  return {Cause::kInstrument, subject(kEnglish),
+          added.score,        CorrectionOf(distortion, means, rows, kEnglish),
+          subject(kGerman),   CorrectionOf(distortion, means, rows, kGerman)};
 }
 
 }  // namespace axiscal::loop

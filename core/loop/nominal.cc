@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/base/language.h"
 #include "core/base/units.h"
 #include "core/identify/reduction.h"
 #include "core/instruments/length/length_model.h"
@@ -26,7 +27,7 @@ struct Nominal {
 
 // One thing that may have been stated wrong.
 struct Alternative {
-  std::string subject, correction;
+  Cause cause;  // what the report says where it is so
   std::function<void(Nominal*)> change;
   double squares = INFINITY;  // of some readings less those of the machine without errors, mm^2
 };
@@ -128,7 +129,8 @@ class Finder {
       if (absl::IsCancelled(fit.status())) return fit.status();
       if (!fit.ok() || !(ScoreOf(*fit) < least)) continue;
       least = ScoreOf(*fit);
-      best = Cause{Cause::kNominal, one.subject, stated - least, one.correction};
+      best = one.cause;
+      best->evidence = stated - least;
     }
     return best;
   }
@@ -176,19 +178,32 @@ class Finder {
     const std::string& name = machine_.axes[axis].name;
     const bool is_rotary = machine_.axes[axis].kind == AxisKind::kRotary;
     const auto number = [](double value) { return value == 0.0 ? 0.0 : value; };  // no minus zero
-    other.subject = absl::StrCat("machine.json: axis ", name, is_rotary ? " turns" : " moves", " the other way");
-    other.correction = absl::StrFormat("axis %s: \"direction\": [%.10g, %.10g, %.10g], or turn the sign of column %s",
-                                       name, number(direction.x()), number(direction.y()), number(direction.z()), name);
+    const std::string right = absl::StrFormat("\"direction\": [%.10g, %.10g, %.10g]", number(direction.x()),
+                                              number(direction.y()), number(direction.z()));
+    other.cause = {
+        .kind = Cause::kNominal,
+        .subject = absl::StrCat("machine.json: axis ", name, is_rotary ? " turns" : " moves", " the other way"),
+        .correction = absl::StrCat("axis ", name, ": ", right, ", or turn the sign of column ", name),
+        .subject_german = absl::StrCat("machine.json: Achse ", name, is_rotary ? " dreht" : " fährt", " anders herum"),
+        .correction_german =
+            absl::StrCat("Achse ", name, ": ", right, ", oder das Vorzeichen der Spalte ", name, " umkehren")};
     Try(std::move(other));
   }
 
-  // `change` in all sessions, then in each alone.
-  void TryChange(const std::string& what, const std::string& correction, const Change& change) {
-    Try({absl::StrCat("all sessions: ", what), correction, [change](Nominal* nominal) {
+  // `change` in all sessions, then in each alone; `what`: its cause, without saying where.
+  void TryChange(const Cause& what, const Change& change) {
+    const auto in = [&](const std::string& english, const std::string& german) {
+      Cause cause = what;
+      cause.kind = Cause::kNominal;
+      cause.subject = english + what.subject;
+      cause.subject_german = german + what.subject_german;
+      return cause;
+    };
+    Try({in("all sessions: ", "alle Messungen: "), [change](Nominal* nominal) {
            for (MeasuringRun& run : nominal->runs) Apply(change, &run);
          }});
     for (size_t i = 0; runs_.size() > 1 && i < runs_.size(); ++i)
-      Try({absl::StrCat("session '", runs_[i].session, "': ", what), correction,
+      Try({in(absl::StrCat("session '", runs_[i].session, "': "), absl::StrCat("Messung ", runs_[i].session, ": ")),
            [change, i](Nominal* nominal) { Apply(change, &nominal->runs[i]); }});
   }
 
@@ -199,22 +214,28 @@ class Finder {
     for (int with = axis + 1; with < machine_.axis_count(); ++with) {
       if (machine_.axes[with].kind != kind) continue;
       const std::string& other = machine_.axes[with].name;
-      TryChange(absl::StrCat("columns ", name, " and ", other, " have each other's numbers"),
-                "exchange the names of these columns",
+      TryChange({.subject = absl::StrCat("columns ", name, " and ", other, " have each other's numbers"),
+                 .correction = "exchange the names of these columns",
+                 .subject_german = absl::StrCat("die Spalten ", name, " und ", other, " sind vertauscht"),
+                 .correction_german = "die Namen dieser Spalten tauschen"},
                 [at, by = static_cast<size_t>(with)](std::vector<double>* positions, size_t first) {
                   std::swap((*positions)[first + at], (*positions)[first + by]);
                 });
     }
-    const auto scaled = [&](const char* unit, double factor) {
-      TryChange(absl::StrCat("column ", name, " is in ", unit),
-                absl::StrFormat("multiply column %s by %.10g", name, factor),
+    const auto scaled = [&](const char* unit, const char* german, double factor) {
+      const std::string number = absl::StrFormat("%.10g", factor);
+      TryChange({.subject = absl::StrCat("column ", name, " is in ", unit),
+                 .correction = absl::StrCat("multiply column ", name, " by ", number),
+                 .subject_german = absl::StrCat("die Spalte ", name, " ist in ", german),
+                 .correction_german = absl::StrCat("die Spalte ", name, " mit ",
+                                                   base::NumberIn(base::Language::kGerman, number), " malnehmen")},
                 [at, factor](std::vector<double>* positions, size_t first) { (*positions)[first + at] *= factor; });
     };
-    if (kind == AxisKind::kRotary) return scaled("radians", base::kDegPerRad);
+    if (kind == AxisKind::kRotary) return scaled("radians", "Radiant", base::kDegPerRad);
     constexpr double kMmPerInch = 25.4, kMmPerUm = 1e-3, kMmPerM = 1e3;
-    scaled("inches", kMmPerInch);
-    scaled("micrometres", kMmPerUm);
-    scaled("metres", kMmPerM);
+    scaled("inches", "Zoll", kMmPerInch);
+    scaled("micrometres", "Mikrometern", kMmPerUm);
+    scaled("metres", "Metern", kMmPerM);
   }
 
   const Machine& machine_;
@@ -247,20 +268,36 @@ std::vector<Cause> NominalConstants(const Machine& machine, const identify::Fit&
     if (!estimate.identifiable || !(std::abs(estimate.value) > kFarMm + 3.0 * estimate.sigma)) continue;
     const auto along = Eigen::Vector3d::Unit(static_cast<int>(term.component));
     const double evidence = std::pow(estimate.value / estimate.sigma, 2);
+    const char coordinate = "XYZ"[static_cast<int>(term.component)];
+    const std::string by = absl::StrFormat("%.4f +- %.4f", estimate.value, estimate.sigma);
+    const std::string by_german =
+        base::NumberIn(base::Language::kGerman, absl::StrFormat("%.4f ± %.4f", estimate.value, estimate.sigma));
     if (term.joint == machine.tool_joint()) {
       if (std::abs(along.dot(machine.tool_direction)) < 0.9) continue;
       causes.push_back(
-          {Cause::kNominal, "the sessions' headers: the tool point along the tool", evidence,
-           absl::StrFormat("add %.4f +- %.4f mm to coordinate %c of \"tool_tip_mm\", or measure the tool "
-                           "again; without that, %s corrects for it",
-                           estimate.value, estimate.sigma, "XYZ"[static_cast<int>(term.component)], estimate.name)});
+          {.kind = Cause::kNominal,
+           .subject = "the sessions' headers: the tool point along the tool",
+           .evidence = evidence,
+           .correction = absl::StrFormat("add %s mm to coordinate %c of \"tool_tip_mm\", or measure the tool again; "
+                                         "without that, %s corrects for it",
+                                         by, coordinate, estimate.name),
+           .subject_german = "die Köpfe der Messungen: der Werkzeugpunkt entlang des Werkzeugs",
+           .correction_german =
+               absl::StrFormat("%s mm zur Koordinate %c von \"tool_tip_mm\" addieren, oder das Werkzeug "
+                               "neu messen; sonst korrigiert %s dafür",
+                               by_german, coordinate, estimate.name)});
     } else if (term.joint < machine.axis_count() && machine.axes[term.joint].kind == AxisKind::kRotary) {
       const std::string& axis = machine.axes[term.joint].name;
-      causes.push_back({Cause::kNominal, absl::StrCat("machine.json: where axis ", axis, " stands"), evidence,
-                        absl::StrFormat("axis %s: add %.4f +- %.4f mm to coordinate %c of \"point_mm\"; without that, "
-                                        "%s corrects for it",
-                                        axis, estimate.value, estimate.sigma, "XYZ"[static_cast<int>(term.component)],
-                                        estimate.name)});
+      causes.push_back({.kind = Cause::kNominal,
+                        .subject = absl::StrCat("machine.json: where axis ", axis, " stands"),
+                        .evidence = evidence,
+                        .correction = absl::StrFormat(
+                            "axis %s: add %s mm to coordinate %c of \"point_mm\"; without that, %s corrects for it",
+                            axis, by, coordinate, estimate.name),
+                        .subject_german = absl::StrCat("machine.json: wo die Achse ", axis, " steht"),
+                        .correction_german = absl::StrFormat(
+                            "Achse %s: %s mm zur Koordinate %c von \"point_mm\" addieren; sonst korrigiert %s dafür",
+                            axis, by_german, coordinate, estimate.name)});
     }
   }
   return causes;

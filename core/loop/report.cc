@@ -224,7 +224,8 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
   report.verdict = VerdictOf(found.verdict);
   for (const Effect& effect : found.effects) report.effects.push_back(EffectOf(machine, effect));
   for (const Cause& cause : found.causes)
-    report.causes.push_back({KindOf(cause.kind), cause.subject, cause.evidence, cause.correction});
+    report.causes.push_back({KindOf(cause.kind), cause.subject, cause.evidence, cause.correction, cause.subject_german,
+                             cause.correction_german});
   for (const HeldBack& held : found.held_back) report.held_back.push_back(HeldBackOf(machine, found, held));
   report.fitted = FittedOf(found);
   report.fit = {StatisticsOf(found.fit_before), StatisticsOf(found.fit_after)};

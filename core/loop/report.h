@@ -41,9 +41,10 @@ struct Slipped {
 struct Cause {
   enum Kind { kInstrument, kNominal, kNotRepeatable };
   Kind kind = kInstrument;
-  std::string subject;     // which instrument in which sessions, which entry of machine.json ...
-  double evidence = 0.0;   // likelihood ratio beyond the model without it, chi-square units
-  std::string correction;  // what to do about it, with the values that were found
+  std::string subject = {};     // which instrument in which sessions, which entry of machine.json ...
+  double evidence = 0.0;        // likelihood ratio beyond the model without it, chi-square units
+  std::string correction = {};  // what to do about it, with the values that were found
+  std::string subject_german = {}, correction_german = {};
 };
 
 // An effect that was found and is not corrected: the machine could be worse for it where the sessions do not tell what

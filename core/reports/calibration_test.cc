@@ -134,6 +134,7 @@ TEST(CalibrationReport, SaysAllThatWasWritten) {
   EXPECT_EQ(report->fitted.outliers[1].gate->gate, "sphere");
   EXPECT_FALSE(report->fitted.outliers[0].gate.has_value());
   EXPECT_EQ(report->fitted.warnings[0].kind, WarningKind::kSetAside);
+  EXPECT_EQ(report->fitted.warnings[0].german, InGerman(SetAside{9, 100}));
   EXPECT_EQ(report->fitted.sessions[0].in.setup, "mount");
   EXPECT_EQ(report->fitted.sessions[1].in.setup, "T1");
   EXPECT_EQ(report->held->errors[0].symbol, "EA0B");

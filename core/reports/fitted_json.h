@@ -18,6 +18,7 @@ template <typename Io>
 void Members(Io& io, base::Like<Io, Warning> warning) {
   io.Required("kind", warning.kind);
   io.Required("text", warning.text);
+  io.IfAny("text_de", warning.german);
 }
 
 template <typename Io>

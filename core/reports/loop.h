@@ -49,6 +49,8 @@ struct Cause {
   std::string subject = {};     // which instrument in which sessions, which entry of a file ...
   double evidence = kNoNumber;  // likelihood ratio, chi-square units
   std::string correction = {};  // what to do about it, with the values that were found
+  // The same in German; empty in a report of a version that did not write it.
+  std::string subject_german = {}, correction_german = {};
 };
 
 // An effect that was found and is not corrected, as the machine could be worse for it over the measured box: the

@@ -59,6 +59,8 @@ void Members(Io& io, base::Like<Io, Cause> cause) {
   io.Required("subject", cause.subject);
   io.Member("evidence", cause.evidence);
   io.Member("correction", cause.correction);
+  io.IfAny("subject_de", cause.subject_german);
+  io.IfAny("correction_de", cause.correction_german);
 }
 
 template <typename Io>

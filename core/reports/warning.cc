@@ -6,16 +6,10 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/number_text.h"
+#include "core/reports/digits.h"
 
 namespace axiscal::reports {
 namespace {
-
-// To so many significant digits, those of a large number zeros: 1630, not 1.63e+03.
-std::string Digits(double number, int digits) {
-  const std::string text = absl::StrFormat("%.*g", digits, number);
-  const bool is_large = text.find("e+") != std::string::npos;
-  return is_large ? absl::StrFormat("%.0f", std::stod(text)) : text;
-}
 
 Warning Of(const Scatter& facts) {
   if (facts.about == Scatter::About::kCutter) {
@@ -53,6 +47,10 @@ Warning Of(const NoNumber& facts) {
                                       "from the measured poses"};
 }
 
+std::string OffsetText(const std::string& name, const std::string& setup) {
+  return absl::StrCat(name, setup.empty() ? "" : " of set-up ", setup);
+}
+
 Warning Of(const SharedStages& facts) {
   constexpr char kAdvice[] =
       ": the stated sigmas take both stages for independent; identify from all sessions together";
@@ -60,7 +58,11 @@ Warning Of(const SharedStages& facts) {
                                   ? absl::StrCat("the held errors come from sessions that are used again (",
                                                  absl::StrJoin(facts.sessions, ", "), ")", kAdvice)
                                   : absl::StrCat("the held errors rest on the same stated sigma as this fit (",
-                                                 absl::StrJoin(facts.offsets, ", "), ")", kAdvice)};
+                                                 absl::StrJoin(facts.offsets, ", ",
+                                                               [](std::string* out, const OffsetOf& offset) {
+                                                                 *out += OffsetText(offset.name, offset.setup);
+                                                               }),
+                                                 ")", kAdvice)};
 }
 
 Warning Of(const CoarseReadings& facts) {
@@ -71,7 +73,7 @@ Warning Of(const CoarseReadings& facts) {
 }
 
 std::string ValueText(const BeyondSize::Value& value) {
-  return absl::StrFormat("%s at %.0f %s", value.name, value.value, value.unit);
+  return absl::StrFormat("%s at %.0f %s", OffsetText(value.name, value.setup), value.value, value.unit);
 }
 
 Warning Of(const BeyondSize& facts) {
@@ -89,7 +91,14 @@ Warning Of(const BeyondSize& facts) {
   absl::StrAppend(&text,
                   "; is a tool length (tool_tip_mm), a radius of sphere or stylus (forgotten or counted twice), "
                   "a point_mm of machine.json or the unit of a file (m or inch in place of mm) wrong?");
-  if (!facts.near.empty()) absl::StrAppend(&text, " About as large: ", absl::StrJoin(facts.near, ", "));
+  if (!facts.near.empty()) {
+    absl::StrAppend(
+        &text,
+        " About as large: ", absl::StrJoin(facts.near, ", ", [](std::string* out, const BeyondSize::Radius& radius) {
+          const std::string of = radius.sphere.empty() ? "stylus radius" : "radius of sphere " + radius.sphere;
+          absl::StrAppend(out, absl::StrFormat("the %s of %g mm", of, radius.mm));
+        }));
+  }
   return {WarningKind::kSize, std::move(text)};
 }
 
@@ -173,7 +182,9 @@ Warning Of(const TrackerMoved& facts) {
 }  // namespace
 
 Warning InWords(const WarningFacts& facts) {
-  return std::visit([](const auto& of_a_kind) { return Of(of_a_kind); }, facts);
+  Warning warning = std::visit([](const auto& of_a_kind) { return Of(of_a_kind); }, facts);
+  warning.german = InGerman(facts);
+  return warning;
 }
 
 std::string PoorFitText(double chi2_per_dof, bool is_of_loop) {

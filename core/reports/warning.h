@@ -1,4 +1,4 @@
-// What a reader of numbers must know: a kind and the facts; here alone it is put into words.
+// What a reader of numbers must know: a kind and the facts; here alone it is put into words, English and German.
 #ifndef AXISCAL_CORE_REPORTS_WARNING_H_
 #define AXISCAL_CORE_REPORTS_WARNING_H_
 
@@ -33,6 +33,7 @@ enum class WarningKind {
 struct Warning {
   WarningKind kind = WarningKind::kScatter;
   std::string text;
+  std::string german = {};  // the same in German; empty in a report of a version that did not write it
 };
 
 // The facts, a struct per kind.
@@ -55,9 +56,14 @@ struct NoNumber {
   };
   std::vector<Size> errors;
 };
-// `sessions` whose readings gave both stages, else `offsets` ("run_out_x of set-up mount") that both know to one sigma.
+// An offset of a set-up: "run_out_x" of set-up "mount".
+struct OffsetOf {
+  std::string name, setup;
+};
+// `sessions` whose readings gave both stages, else `offsets` that both know to one sigma.
 struct SharedStages {
-  std::vector<std::string> sessions, offsets;
+  std::vector<std::string> sessions;
+  std::vector<OffsetOf> offsets;
 };
 struct CoarseReadings {
   std::string session;
@@ -67,13 +73,20 @@ struct CoarseReadings {
 // Of a machine about `size_mm` across: errors beyond limit_um or limit_urad, offsets of a set-up beyond any mounting.
 struct BeyondSize {
   struct Value {
-    std::string name;  // EZ0T, "ball_z of set-up BX"
+    std::string name;  // EZ0T, ball_z
     double value = 0.0;
     std::string unit;
+    std::string setup = {};  // of an offset
+  };
+  // A radius that a file states: of the stylus, or of the sphere that is named.
+  struct Radius {
+    double mm = 0.0;
+    std::string sphere = {};
+    bool operator==(const Radius&) const = default;
   };
   std::vector<Value> errors, offsets;
   double size_mm = 0.0, limit_um = 0.0, limit_urad = 0.0;
-  std::vector<std::string> near;  // lengths of the files that are about as large: "the stylus radius of 3 mm"
+  std::vector<Radius> near;  // those that are about as large
 };
 struct Quiet {
   std::vector<std::string> sessions;
@@ -121,6 +134,8 @@ using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, Share
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }
 
 Warning InWords(const WarningFacts& facts);
+// The German half of it.
+std::string InGerman(const WarningFacts& facts);
 
 // The same scatter where a stored calibration is shown, with what to do about it: after the loop nothing, for it has
 // looked already.

@@ -25,7 +25,7 @@ reports::Fitted Everything() {
   fitted.coverage_factor = 2.0;
   fitted.not_separable = {"EX0B - EX0C"};
   fitted.determined = {{"EX0B + EX0C", 7.0, 0.1, "um"}};
-  fitted.warnings = {{reports::WarningKind::kScatter, "it scatters"}};
+  fitted.warnings = {{reports::WarningKind::kScatter, "it scatters", "sie streuen"}};
   fitted.outliers = {{"BX", 3, 0, 4.0, std::nullopt}, {"BX", 4, 1, 5.0, reports::Gate{"sphere", 9.0, 3.0}}};
   fitted.sessions = {{{"BX", "mount"}, 720, 0.3, 1.0, {{"ball_x", {1.5, 0.1, "um"}}}}};
   fitted.stated = {{"expansion bar", {{"EX0C", 0.25}}}};
@@ -69,7 +69,7 @@ reports::Loop ALoop() {
   effect.equivalent = {effect.is};
   effect.same_always = {"lobe(3)"};
   report.effects = {effect};
-  report.causes = {{reports::CauseKind::kInstrument, "ball bar", 50.0, "0.1 %"}};
+  report.causes = {{reports::CauseKind::kInstrument, "ball bar", 50.0, "0.1 %", "Messgerät", "0,1 %"}};
   report.held_back = {{reports::HeldBackKind::kUndecided, "EBB:harmonic(45)", 50.0, 0.1, "a circle"}};
   report.check = reports::Check{{.rms_um = 1.0}, {.rms_um = 0.5}, true};
   report.volumetric =

@@ -68,6 +68,7 @@ class Outlier:
 class Warning:
     kind: str
     text: str
+    text_de: str = ""  # the same in German; empty in reports of earlier versions
 
 
 @dataclasses.dataclass(frozen=True)
@@ -172,6 +173,8 @@ class Cause:
     subject: str
     evidence: Optional[float] = None
     correction: str = ""
+    subject_de: str = ""  # the same in German; empty in reports of earlier versions
+    correction_de: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
