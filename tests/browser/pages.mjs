@@ -365,8 +365,10 @@ test("findings, events and warnings are worded in German from what they are", as
   await event.getByText("im Wortlaut (englisch)").click();
   await event.getByText(/its tolerance is -50 .. 50 um/).waitFor();
   await go("#/loops/1");
-  await page.getByText(/EZ0T: größer, als es an einer Maschine dieser Größe sein kann/).waitFor();
-  await page.getByText(/eine Angabe in einer Datei, nicht die Maschine/).waitFor();
+  // Warnings and causes have their German in the report, with all numbers.
+  await page.getByText(/^EZ0T bei 3145 µm: eine Maschine von etwa 0,7 m hat Abweichungen von höchstens 1361 µm und 2000 µrad; ist eine Werkzeuglänge/).waitFor();
+  await page.getByText("die Köpfe der Messungen: der Werkzeugpunkt entlang des Werkzeugs").waitFor();
+  await page.getByText(/^3,1449 ± 0,0028 mm zur Koordinate Z von "tool_tip_mm" addieren, oder das Werkzeug neu messen; sonst korrigiert EZ0T dafür$/).waitFor();
   await page.getByText("Kreisformtest, Bahn B-radial-383").waitFor();
   await go("#/machines/mill-7");
   await page.getByLabel(/Kleinster Wert/).fill("-50");

@@ -8,6 +8,7 @@ export interface Fit {
 export interface Warning {
   kind: string;
   text: string;
+  text_de?: string; // of a report of an earlier version: none
 }
 export interface SessionFit {
   session: string;
@@ -40,7 +41,7 @@ export interface LoopReport {
     equivalent?: { name: string }[];
     same_always?: (string | { name: string })[];
   }[];
-  causes?: { kind: string; subject: string; evidence: number; correction: string }[];
+  causes?: { kind: string; subject: string; evidence: number; correction: string; subject_de?: string; correction_de?: string }[];
   held_back?: { kind: string; subject: string; evidence: number; harm: number; measure: string }[];
   fit: { before: Fit; after: Fit };
   check?: { before?: Fit; after?: Fit; fitted?: boolean };

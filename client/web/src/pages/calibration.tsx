@@ -6,9 +6,9 @@ import { countText, dayText, numberText, probabilityText, save, sigmaText, timeT
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CalibrationPicture, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
-import { formatSaid, formatTitle, warningSaid } from "../german";
+import { formatSaid, formatTitle, germanOf } from "../german";
 import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
-import type { IdentificationReport, LoopReport } from "../reports";
+import type { IdentificationReport, LoopReport, Warning } from "../reports";
 import type { TableFormat } from "../gen/axiscal/v1/tables_service_pb";
 import { may } from "../session";
 import { language, t, tMaybe } from "../text";
@@ -430,7 +430,7 @@ export function tipOf(text: string): number[] | undefined {
   return words.length === 3 && words.every((w) => w !== "") && numbers.every(Number.isFinite) ? numbers : undefined;
 }
 
-export function Warnings(props: { list?: { kind: string; text: string }[] }) {
+export function Warnings(props: { list?: Warning[] }) {
   if (!props.list || props.list.length === 0) return null;
   return (
     <section>
@@ -438,7 +438,7 @@ export function Warnings(props: { list?: { kind: string; text: string }[] }) {
       <ul class="findings">
         {props.list.map((one) => (
           <li class="now">
-            <Worded said={warningSaid(one)} text={one.text} /> <ErrorWords text={one.text} />
+            <Worded said={germanOf(one.text_de)} text={one.text} /> <ErrorWords text={one.text} />
           </li>
         ))}
       </ul>

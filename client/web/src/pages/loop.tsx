@@ -2,7 +2,7 @@
 import { calibrations, jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
 import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
-import { causeSaid, proposalSaid, todoSaid } from "../german";
+import { germanOf, proposalSaid, todoSaid } from "../german";
 import { Empty, ErrorName, Figure, Quoted, Server, Show, Table, Title, Worded } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
 import { t, tMaybe } from "../text";
@@ -132,7 +132,17 @@ function Effects(props: { report: LoopReport }) {
 }
 
 // What was found and is not corrected, and what to do about it. `harm`: the probability that the machine would be worse for it.
-function Todo(props: { title: string; rows: { kind: string; subject: string; evidence?: number; harm?: number; todo: string }[] }) {
+// `subjectDe`, `todoDe`: in German, where the report has it.
+interface ToDo {
+  kind: string;
+  subject: string;
+  subjectDe?: string;
+  evidence?: number;
+  harm?: number;
+  todo: string;
+  todoDe?: string;
+}
+function Todo(props: { title: string; rows: ToDo[] }) {
   const { rows } = props;
   if (rows.length === 0) return null;
   const hasHarm = rows.some((one) => one.harm !== undefined);
@@ -143,12 +153,12 @@ function Todo(props: { title: string; rows: { kind: string; subject: string; evi
         {rows.map((one) => (
           <tr>
             <th scope="row" class="text">
-              <Worded said={causeSaid(one.kind)} text={one.subject} />
+              <Worded said={germanOf(one.subjectDe)} text={one.subject} />
             </th>
             <td class="number">{one.evidence === undefined ? "–" : numberText(one.evidence)}</td>
             {hasHarm && <td class="number">{one.harm === undefined ? "–" : probabilityText(one.harm)}</td>}
             <td class="text">
-              <Quoted said={todoSaid(one.kind)} text={one.todo} />
+              {germanOf(one.todoDe) ? <Worded said={germanOf(one.todoDe)} text={one.todo} /> : <Quoted said={todoSaid(one.kind)} text={one.todo} />}
             </td>
           </tr>
         ))}
@@ -165,7 +175,7 @@ function Rest(props: { report: LoopReport }) {
     <>
       <Todo
         title={t("causes")}
-        rows={(causes ?? []).map((one) => ({ kind: one.kind, subject: one.subject, evidence: one.evidence, todo: one.correction }))}
+        rows={(causes ?? []).map((one) => ({ ...one, subjectDe: one.subject_de, todo: one.correction, todoDe: one.correction_de }))}
       />
       <Todo
         title={t("heldBack")}
