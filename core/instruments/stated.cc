@@ -72,7 +72,7 @@ absl::Status BindCertifiedValues(const session::Session& session, const machine:
   for (const session::Certificate& certificate : run->certificates) {
     if (!certificate.value) continue;
     StatedEffect effect;
-    effect.of = absl::StrCat("certificate ", certificate.number, " of ", certificate.of);
+    effect.of = certificate.text();
     effect.mm.setZero(run->row_count, run->reading_count());
     if (certificate.of == "bar_length") {
       if (std::abs(certificate.value->value - run->bar_length_mm) > kCertifiedWithinMm)
@@ -135,7 +135,7 @@ absl::Status BindExpansions(const session::Session& session, const machine::Mach
   for (const auto& [of, mm_per_kelvin] : by_kelvin) {
     const auto& [column, is_workpiece] = of;
     StatedEffect effect;
-    effect.of = absl::StrFormat("thermometer of %s, +- %g K", column, sigma_kelvin[0]);
+    effect.of = session::ThermometerText(column, sigma_kelvin[0]);
     effect.is_workpiece = is_workpiece;
     effect.mm.setZero(run->row_count, run->reading_count());
     effect.by_sigma_mm = sigma_kelvin[0] * mm_per_kelvin;

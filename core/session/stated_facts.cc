@@ -91,9 +91,31 @@ absl::Status CheckInstrument(const Expansion& expansion, const InstrumentFormat&
 
 }  // namespace
 
-std::string Expansion::text() const {
-  return absl::StrFormat("expansion of %s%s, %g +- %g um/(m K)", of, axis.empty() ? "" : " " + axis,
-                         per_kelvin / kPerMillion, sigma_per_kelvin / kPerMillion);
+std::string Expansion::text(base::Language language) const {
+  const double a = per_kelvin / kPerMillion, sigma = sigma_per_kelvin / kPerMillion;
+  if (language == base::Language::kEnglish)
+    return absl::StrFormat("expansion of %s%s, %g +- %g um/(m K)", of, axis.empty() ? "" : " " + axis, a, sigma);
+  const char* const german = of == "bar"          ? "des Stabs"
+                             : of == "instrument" ? "des Messmittels"
+                             : of == "artefact"   ? "des Normals"
+                             : of == "workpiece"  ? "des Werkstücks"
+                                                  : "des Maßstabs";
+  return absl::StrCat("Ausdehnung ", german, axis.empty() ? "" : " ", axis, ", ",
+                      base::NumberIn(language, absl::StrFormat("%g ± %g", a, sigma)), " µm/(m K)");
+}
+
+std::string Certificate::text(base::Language language) const {
+  if (language == base::Language::kEnglish) return absl::StrCat("certificate ", number, " of ", of);
+  return absl::StrCat("Kalibrierschein ", number, " für ",
+                      of == "bar_length" ? "die Stablänge"
+                      : of == "scale"    ? "die Teilung"
+                                         : of);
+}
+
+std::string ThermometerText(const std::string& column, double sigma_kelvin, base::Language language) {
+  if (language == base::Language::kEnglish) return absl::StrFormat("thermometer of %s, +- %g K", column, sigma_kelvin);
+  return absl::StrCat("Thermometer ", column, ", ± ", base::NumberIn(language, absl::StrFormat("%g", sigma_kelvin)),
+                      " K");
 }
 
 absl::StatusOr<Expansion> ParseExpansion(const HeaderEntry& entry) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/clock.h"
+#include "core/base/language.h"
 #include "core/base/status.h"
 #include "core/session/instrument_format.h"
 #include "core/session/session.h"
@@ -24,7 +25,7 @@ struct Expansion {
   std::string column;                               // "temp_C", "T_bar_C"
 
   // "expansion of scale X, 8 +- 0.5 um/(m K)": sessions in which it is the same mean the same thing.
-  std::string text() const;
+  std::string text(base::Language language = base::Language::kEnglish) const;
 };
 
 struct Certificate {
@@ -38,7 +39,14 @@ struct Certificate {
   std::string due;            // "2027-01-31", the last day on which it is valid
   base::UtcTime valid_until;  // the end of that day, UTC
   std::optional<Value> value;
+
+  // "certificate 4711 of bar_length".
+  std::string text(base::Language language = base::Language::kEnglish) const;
 };
+
+// The thermometer of a column: "thermometer of temp_C, +- 0.1 K".
+std::string ThermometerText(const std::string& column, double sigma_kelvin,
+                            base::Language language = base::Language::kEnglish);
 
 // INVALID_ARGUMENT with value and rule, no place.
 absl::StatusOr<Expansion> ParseExpansion(const HeaderEntry& entry);
