@@ -187,12 +187,23 @@ TEST(IsoWords, NamesEveryKindOfError) {
 
 TEST(SheetNumbers, HaveTheDigitsOfTheirUncertainty) {
   EXPECT_EQ(ValueText(-22.2449, 0.153, Language::kEnglish), "-22.24");
-  EXPECT_EQ(ValueText(1234.6, 230.0, Language::kEnglish), "1235");
+  EXPECT_EQ(ValueText(1234.6, 230.0, Language::kEnglish), "1230");
   EXPECT_EQ(ValueText(-0.001, 0.3, Language::kGerman), "0,00");
   EXPECT_EQ(ValueText(NAN, 0.3, Language::kEnglish), "–");
   EXPECT_EQ(NumberText(0.31, 3, Language::kEnglish), "0.31");
   EXPECT_EQ(NumberText(1200, 2, Language::kEnglish), "1200");
   EXPECT_EQ(NumberText(3e-7, 2, Language::kGerman), "3e-07");
+  // Both digits, zeros too, and of the rounded number.
+  EXPECT_EQ(UncertaintyText(0.1, Language::kGerman), "0,10");
+  EXPECT_EQ(UncertaintyText(0.0996, Language::kEnglish), "0.10");
+  EXPECT_EQ(ValueText(6.36, 0.0996, Language::kEnglish), "6.36");
+  EXPECT_EQ(UncertaintyText(13.2, Language::kEnglish), "13");
+  EXPECT_EQ(UncertaintyText(996.0, Language::kEnglish), "1000");
+  EXPECT_EQ(UncertaintyText(105.0, Language::kEnglish), "110");
+  EXPECT_EQ(UncertaintyText(NAN, Language::kEnglish), "–");
+  EXPECT_EQ(IntervalText(15.17, 0.326, 37.1, Language::kGerman), "15 [0; 37]");
+  EXPECT_EQ(CombinationText("0.5 EX0C + 5.4e-05 EBB:harmonic(0.5).cos", Language::kGerman),
+            "0,5 EX0C + 5,4e-05 EBB:harmonic(0.5).cos");
   EXPECT_EQ(TimeText(base::FromUtcUs(1'775'455'200'000'000)), "2026-04-06 06:00 UTC");
 }
 
