@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/session/text.h"
+#include "core/sheet/error_words.h"
 #include "core/sheet/html.h"
 #include "core/sheet/iso_words.h"
 #include "core/sheet/numbers.h"
@@ -33,6 +34,25 @@ CalibrationToPrint ACalibration() {
   session.header = {{"serial", "QC-1234"}, {"sigma_um", "0.3"}, {"operator", "Ann"}};
   calibration.sessions = {session};
   return calibration;
+}
+
+machine::Axis AnAxis(const std::string& name, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_mm) {
+  machine::Axis axis;
+  axis.name = name;
+  axis.kind = name == "X" ? machine::AxisKind::kLinear : machine::AxisKind::kRotary;
+  axis.direction = direction;
+  axis.point_mm = point_mm;
+  return axis;
+}
+
+// Three joints, upright and two that turn about -Y; the second link lies along -X.
+machine::Machine AnArm() {
+  machine::Machine arm;
+  arm.id = "arm";
+  arm.axes = {AnAxis("J1", {0, 0, 1}, {0, 0, 0}), AnAxis("J2", {0, -1, 0}, {0, 0, 89}),
+              AnAxis("J3", {0, -1, 0}, {-425, 0, 89})};
+  arm.tool_branch = {0, 1, 2};
+  return arm;
 }
 
 std::vector<std::string> RowOf(const Sheet& sheet, const std::string& first) {
@@ -160,6 +180,31 @@ TEST(CalibrationSheet, SaysWhatTheLoopFound) {
   EXPECT_THAT(RowOf(sheet, box), ElementsAre(box, "30 [28; 32]", "1 [0.5; 1.5]"));
   EXPECT_THAT(sheet.sections[1].lines, Contains("EBB:harmonic(45) may as well be EBB:curve"));
   EXPECT_THAT(sheet.sections.back().lines, Contains("Not the machine: rtest: gain of x"));
+}
+
+TEST(ErrorWords, OfAnArmAreOfJointsAndLinks) {
+  const auto say = [](const char* symbol) { return ErrorWords(symbol, AnArm(), Language::kEnglish); };
+  EXPECT_EQ(say("EC0J1"), "joint 1: zero offset");
+  EXPECT_EQ(say("EA0J2"), "joint 2: tilt of its axis around X");
+  EXPECT_EQ(say("EX0J1"), "joint 1: place along X");
+  EXPECT_EQ(say("EX0J3"), "link between joints 2 and 3: length along X");
+  EXPECT_EQ(say("EY0J3"), "link between joints 2 and 3: offset along Y");
+  EXPECT_EQ(say("EBJ2"), "joint 2: positioning error");
+  EXPECT_EQ(say("EXJ2"), "joint 2: run-out along X");
+  EXPECT_EQ(say("EZ0T"), "tool: offset along Z");
+  EXPECT_EQ(say("nonsense"), "");
+  EXPECT_EQ(PartWords("harmonic(45).cos", Language::kGerman), "Harmonische(45).cos");
+  EXPECT_EQ(PartWords("backlash#2", Language::kGerman), "Umkehrspanne#2");
+  EXPECT_EQ(PartWords("backlash", Language::kEnglish), "backlash");
+  // A1 to A3 are no axes about X.
+  machine::Machine arm = AnArm();
+  for (machine::Axis& axis : arm.axes) axis.name[0] = 'A';
+  EXPECT_EQ(ErrorWords("EB0A3", arm, Language::kEnglish), "joint 3: zero offset");
+  // A machine tool's are those of the standard, with or without its description.
+  machine::Machine mill;
+  mill.axes = {AnAxis("X", {1, 0, 0}, {0, 0, 0}), AnAxis("C", {0, 0, -1}, {0, 0, 0})};
+  EXPECT_EQ(ErrorWords("EC0C", mill, Language::kEnglish), "zero position error of C");
+  EXPECT_EQ(ErrorWords("EC0C", std::nullopt, Language::kEnglish), "zero position error of C");
 }
 
 TEST(IsoWords, NamesEveryKindOfError) {
