@@ -10,6 +10,7 @@
 #include "core/base/json_limits.h"
 #include "core/machine/machine_json.h"
 #include "core/session/case.h"
+#include "core/session/text.h"
 #include "core/sheet/calibration_sheet.h"
 #include "core/sheet/html.h"
 #include "core/sheet/pdf.h"
@@ -59,6 +60,8 @@ absl::StatusOr<sheet::CalibrationToPrint> ReadReportFile(const ReportArguments& 
     session.name = session::FindHeader(read, "session").value_or("");
     session.instrument = session::FindHeader(read, "instrument").value_or("");
     session.header = read.header;
+    if (const auto started = session::FindHeader(read, "started"); started.has_value())
+      session.measured_at = session::ParseIso8601(*started);
   }
   return found;
 }

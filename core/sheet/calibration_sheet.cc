@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
+#include "absl/strings/str_join.h"
 #include "core/reports/stated_shares.h"
-#include "core/session/stated_facts.h"
-#include "core/sheet/iso_words.h"
+#include "core/sheet/error_words.h"
 #include "core/sheet/numbers.h"
+#include "core/sheet/setup_words.h"
 
 namespace axiscal::sheet {
 namespace {
 
 // What fits on a page at a size that can be read.
-constexpr size_t kMostErrors = 26, kMostInPairs = 60, kMostSessions = 8, kMostLines = 5, kMostLetters = 180;
+constexpr size_t kMostErrors = 26, kMostInPairs = 60, kMostTogether = 18, kMostSessions = 8, kMostLines = 5;
+constexpr size_t kMostListed = 8, kMostPoints = 3, kMostLetters = 180;
 constexpr size_t kMostOfRemark = 320;  // what is to be done about it stands at the end of most
 
 // `text` to so many bytes, never within a letter.
@@ -43,23 +46,32 @@ class Writer {
 
   Sheet Write() {
     sheet_.language = language_;
-    sheet_.title = Say("Geometric errors of a machine tool", "Geometrische Abweichungen einer Werkzeugmaschine");
-    sheet_.subtitle = Say("symbols and terms after ISO 230-1; its text was not compared",
-                          "Zeichen und Begriffe nach ISO 230-1; ihr Text wurde nicht verglichen");
+    if (it_.machine && IsArm(*it_.machine)) {
+      sheet_.title = Say("Geometric errors of a robot arm", "Geometrische Abweichungen eines Roboterarms");
+      sheet_.subtitle = Say("symbols after ISO 230-1; X, Y, Z: the machine's frame, with all joints at zero",
+                            "Zeichen nach ISO 230-1; X, Y, Z: Maschinenkoordinaten, alle Gelenke auf null");
+    } else {
+      sheet_.title = Say("Geometric errors of a machine tool", "Geometrische Abweichungen einer Werkzeugmaschine");
+      sheet_.subtitle = Say("symbols and terms after ISO 230-1; its text was not compared",
+                            "Zeichen und Begriffe nach ISO 230-1; ihr Text wurde nicht verglichen");
+    }
     AddFacts();
     AddErrors();
+    AddTogether();
     AddNotTold();
-    AddBeforeAfter();
+    AddResiduals();
+    AddToolPoint();
     AddSessions();
     AddRemarks();
     sheet_.signatures = {Say("Measured: date, name, signature", "Gemessen: Datum, Name, Unterschrift"),
                          Say("Approved: date, name, signature", "Freigegeben: Datum, Name, Unterschrift")};
-    sheet_.footer =
-        Say("Error = actual - nominal. u: standard uncertainty of the fit. U = k u: expanded uncertainty "
-            "for 95 %. Both hold for the errors of this model and the readings as they are stated.",
-            "Abweichung = Ist - Soll. u: Standardunsicherheit der Anpassung. U = k u: erweiterte "
-            "Unsicherheit für 95 %. Beide gelten für die Abweichungen dieses Modells und die Messwerte, "
-            "wie sie angegeben sind.");
+    sheet_.footer = Say(
+        "Error = actual - nominal. u: standard uncertainty of the fit. U = k u: expanded uncertainty "
+        "for 95 %. Both hold for the errors of this model and the readings as they are stated. Tool points, anchors "
+        "and balls: machine coordinates with all axes at zero.",
+        "Abweichung = Ist - Soll. u: Standardunsicherheit der Anpassung. U = k u: erweiterte "
+        "Unsicherheit für 95 %. Beide gelten für die Abweichungen dieses Modells und die Messwerte, "
+        "wie sie angegeben sind. Werkzeugpunkte, Ankerpunkte, Kugeln: Maschinenkoordinaten, alle Achsen auf null.");
     return std::move(sheet_);
   }
 
@@ -113,6 +125,13 @@ class Writer {
     AddFact(Say("Calibration", "Kalibrierung"), number);
     AddFact(Say("Measured", "Gemessen"), WhenMeasured());
     AddFact(Say("Operator", "Bediener"), AllOf("operator"));
+    std::set<std::string> points;  // there the figures hold
+    for (const records::SessionRecord& session : it_.sessions)
+      if (std::string point = ToolPointText(session.header, language_); !point.empty()) points.insert(std::move(point));
+    AddFact(Say("Tool point", "Werkzeugpunkt"),
+            points.size() <= kMostPoints
+                ? absl::StrJoin(points, ", ")
+                : absl::StrCat(points.size(), Say(", below, with the sessions", ", unten, bei den Messungen")));
     if (!stored) return;
     AddFact(Say("Made", "Berechnet"), absl::StrCat(TimeText(stored->created_at), ", ", stored->content.created_by,
                                                    ", Axiscal ", stored->content.engine_version));
@@ -120,28 +139,40 @@ class Writer {
             stored->approved_at ? absl::StrCat(TimeText(*stored->approved_at), ", ", stored->approved_by) : kNone);
   }
 
-  void AddErrors() {
+  // A row of numbers: value, u, U, unit.
+  std::vector<std::string> NumbersOf(double value, double sigma, const std::string& unit) const {
+    const double expanded = fitted_.coverage_factor * sigma;
+    return {ValueText(value, std::isfinite(expanded) ? expanded : sigma, language_), UncertaintyText(sigma, language_),
+            UncertaintyText(expanded, language_), UnitText(unit)};
+  }
+  std::vector<std::string> HeadOfNumbers() const {
     const double k = fitted_.coverage_factor;
+    return {Say("value", "Wert"), "u", std::isfinite(k) ? absl::StrCat("U (k = ", Number(k), ")") : "U",
+            Say("unit", "Einheit")};
+  }
+  static bool IsTold(const reports::Error& error) { return error.identifiable && std::isfinite(error.value); }
+
+  void AddErrors() {
     Section section;
     section.title = Say("Errors", "Abweichungen");
     section.columns = "ttnnnt";
-    section.head = {Say("error", "Abweichung"),
-                    Say("meaning", "Bedeutung"),
-                    Say("value", "Wert"),
-                    "u",
-                    std::isfinite(k) ? absl::StrCat("U (k = ", Number(k), ")") : "U",
-                    Say("unit", "Einheit")};
+    section.head = {Say("error", "Abweichung"), Say("meaning", "Bedeutung")};
+    for (std::string& head : HeadOfNumbers()) section.head.push_back(std::move(head));
+    // Where those without a number would take the room of the meanings, they stand in the section below alone.
+    const size_t all = fitted_.errors.size();
+    const auto told = static_cast<size_t>(std::count_if(fitted_.errors.begin(), fitted_.errors.end(), IsTold));
+    const bool are_told_alone = all > kMostErrors && told <= kMostErrors;
     for (const reports::Error& error : fitted_.errors) {
-      const bool is_told = error.identifiable && std::isfinite(error.value);
-      const double expanded = k * error.sigma;
+      if (are_told_alone && !IsTold(error)) continue;
       // "EXX:backlash" is a part of the positioning error of X.
       const size_t part = error.name.find(':');
-      const std::string words = IsoWords(error.symbol, language_) +
-                                (part == std::string::npos ? "" : ": " + Cut(error.name.substr(part + 1), 30));
-      section.rows.push_back({Cut(error.name, 40), words,
-                              is_told ? ValueText(error.value, error.sigma, language_) : kNone,
-                              is_told ? NumberText(error.sigma, 2, language_) : kNone,
-                              is_told ? NumberText(expanded, 2, language_) : kNone, UnitText(error.unit)});
+      const std::string words =
+          ErrorWords(error.symbol, it_.machine, language_) +
+          (part == std::string::npos ? "" : ": " + PartWords(Cut(error.name.substr(part + 1), 30), language_));
+      std::vector<std::string>& row = section.rows.emplace_back(std::vector<std::string>{Cut(error.name, 40), words});
+      std::vector<std::string> numbers = {kNone, kNone, kNone, UnitText(error.unit)};
+      if (IsTold(error)) numbers = NumbersOf(error.value, error.sigma, error.unit);
+      for (std::string& number : numbers) row.push_back(std::move(number));
     }
     if (fitted_.errors.empty()) section.lines.push_back(Say("None was fitted.", "Keine wurde angepasst."));
     if (section.rows.size() > kMostErrors) PutInPairs(&section);
@@ -154,10 +185,11 @@ class Writer {
     for (const reports::StatedShares& fact : reports::StatedSharesOf(fitted_)) {
       std::string shares;
       for (const reports::StatedShares::Share& share : fact.shares) {
-        absl::StrAppend(&shares, shares.empty() ? "" : ", ", NumberText(share.by, 2, language_), " ",
+        absl::StrAppend(&shares, shares.empty() ? "" : ", ", UncertaintyText(share.by, language_), " ",
                         UnitText(share.unit), Say(" of ", " von "), share.error);
       }
-      section->lines.push_back(absl::StrCat(Say("In u by the ", "In u durch "), fact.of, ": ", shares));
+      section->lines.push_back(absl::StrCat(Say("In u by the ", "In u durch "),
+                                            StatedFactText(fact.of, it_.sessions, language_), ": ", shares));
     }
   }
 
@@ -184,16 +216,50 @@ class Writer {
     if (rows.size() > shown) section->lines.push_back(LeftOut(rows.size() - shown));
   }
 
+  // Sums and differences that the readings determine although they do not tell their members.
+  void AddTogether() {
+    if (fitted_.determined.empty()) return;
+    Section section;
+    section.title = Say("Known together, though not one by one", "Zusammen bekannt, einzeln nicht");
+    section.columns = "tnnnt";
+    section.head = {Say("together", "zusammen")};
+    for (std::string& head : HeadOfNumbers()) section.head.push_back(std::move(head));
+    for (const reports::Combination& one : fitted_.determined) {
+      std::vector<std::string> row = NumbersOf(one.value, one.sigma, one.unit);
+      row.insert(row.begin(), Cut(CombinationText(one.name, language_)));
+      section.rows.push_back(std::move(row));
+    }
+    Add(std::move(section), kMostTogether);
+  }
+
+  // Items behind a word, in as many lines as it takes.
+  static void AddList(const std::string& title, const char* separator, const std::vector<std::string>& items,
+                      Section* section) {
+    std::string line = title;
+    bool is_first = true;
+    for (const std::string& item : items) {
+      if (!is_first && line.size() + item.size() + 2 > kMostLetters) {
+        section->lines.push_back(line + separator);
+        line = item;
+      } else {
+        absl::StrAppend(&line, is_first ? "" : absl::StrCat(separator, " "), item);
+      }
+      is_first = false;
+    }
+    if (!items.empty()) section->lines.push_back(line);
+  }
+
   void AddNotTold() {
     Section section;
     section.title = Say("What the readings do not tell", "Was die Messwerte nicht trennen");
-    std::string without;
+    std::vector<std::string> without, directions;
     for (const reports::Error& error : fitted_.errors) {
-      if (!error.identifiable) absl::StrAppend(&without, without.empty() ? "" : ", ", error.name);
+      if (!error.identifiable) without.push_back(error.name);
     }
-    if (!without.empty()) section.lines.push_back(Say("No number: ", "Ohne Zahl: ") + without);
+    AddList(Say("No number: ", "Ohne Zahl: "), ",", without, &section);
     for (const std::string& direction : fitted_.not_separable)
-      section.lines.push_back(Say("Changes no reading: ", "Ändert keinen Messwert: ") + direction);
+      directions.push_back(CombinationText(direction, language_));
+    AddList(Say("Changes no reading: ", "Ändert keinen Messwert: "), ";", directions, &section);
     if (const auto* loop = std::get_if<reports::Loop>(&it_.report)) {
       for (const reports::Effect& effect : loop->effects) {
         if (effect.equivalent.empty()) continue;
@@ -202,37 +268,29 @@ class Writer {
           absl::StrAppend(&line, i == 0 ? "" : ", ", effect.equivalent[i].name);
         section.lines.push_back(std::move(line));
       }
-      if (!loop->axes_at_rest.empty()) {
-        std::string line = Say("Axes that did not move: ", "Achsen, die nicht fuhren: ");
-        for (size_t i = 0; i < loop->axes_at_rest.size(); ++i)
-          absl::StrAppend(&line, i == 0 ? "" : ", ", loop->axes_at_rest[i]);
-        section.lines.push_back(std::move(line));
-      }
+      AddList(Say("Axes that did not move: ", "Achsen, die nicht fuhren: "), ",", loop->axes_at_rest, &section);
     }
     if (section.lines.empty() && !fitted_.errors.empty()) {
       section.lines.push_back(
           Say("All errors above are told apart.", "Alle Abweichungen oben sind voneinander getrennt."));
     }
-    for (const reports::Combination& one : fitted_.determined) {
-      const std::string unit = " " + UnitText(one.unit);
-      section.lines.push_back(absl::StrCat(Say("Known together: ", "Zusammen bekannt: "), one.name, " = ",
-                                           ValueText(one.value, one.sigma, language_), unit,
-                                           ", u = ", NumberText(one.sigma, 2, language_), unit));
-    }
-    Add(std::move(section), kMostLines);
+    Add(std::move(section), kMostListed);
   }
 
-  void AddBeforeAfter() {
+  // Of the readings, before and after what this calibration found: nothing is compensated in them.
+  void AddResiduals() {
     Section section;
-    section.title = Say("Before and after, µm", "Vorher und nachher, µm");
+    section.title = Say("Residuals of the readings, µm", "Restfehler der Messwerte, µm");
     section.columns = "tnn";
-    section.head = {Say("what", "was"), Say("before", "vorher"), Say("after", "nachher")};
     const auto add = [&](const std::string& name, double before, double after) {
       section.rows.push_back({name, Number(before), Number(after)});
     };
-    const std::string rms = Say("readings, rms", "Messwerte, quadratisches Mittel");
+    const std::string rms = Say("readings, rms", "Messwerte, quadratisches Mittel (RMS)");
     const std::string most = Say("readings, greatest", "Messwerte, größter");
+    std::string before_what, after_what = Say("with these errors", "mit diesen Abweichungen");
     if (const auto* loop = std::get_if<reports::Loop>(&it_.report)) {
+      before_what = Say("declared model", "erklärtes Modell");
+      after_what = Say("with all that was found", "mit allem Gefundenen");
       add(rms, loop->fit.before.rms_um, loop->fit.after.rms_um);
       add(most, loop->fit.before.max_um, loop->fit.after.max_um);
       if (loop->check) {
@@ -240,73 +298,109 @@ class Writer {
                                 : Say("check sessions, rms", "Prüfmessungen, quadratisches Mittel"),
             loop->check->before.rms_um, loop->check->after.rms_um);
       }
-      if (loop->volumetric) {
-        const reports::Volumetric& box = *loop->volumetric;
-        section.rows.push_back({Say("tool point over the measured box, rms [95 %]",
-                                    "Werkzeugpunkt im gemessenen Bereich, qu. Mittel [95 %]"),
-                                Figure(box.uncorrected), Figure(box.after)});
-      }
     } else {
       const auto& report = std::get<reports::Identification>(it_.report);
+      before_what = !report.before ? Say("machine and set-ups as stated", "Maschine und Aufspannungen wie angegeben")
+                    : report.held  ? Say("held errors alone", "nur festgehaltene Abweichungen")
+                                   : Say("without these errors", "ohne diese Abweichungen");
       const reports::Statistics& before = report.before ? *report.before : report.nominal;
       add(rms, before.rms_um, report.fit.rms_um);
       add(most, before.max_um, report.fit.max_um);
+    }
+    section.head = {Say("what", "was"), before_what, after_what};
+    Add(std::move(section), kMostLines);
+  }
+
+  // What a compensation with these errors does to the tool point.
+  void AddToolPoint() {
+    const auto* const loop = std::get_if<reports::Loop>(&it_.report);
+    if (loop == nullptr || !loop->volumetric) return;
+    const reports::Volumetric& box = *loop->volumetric;
+    Section section;
+    section.title = Say("Error of the tool point, µm", "Fehler am Werkzeugpunkt, µm");
+    section.columns = "tnn";
+    section.head = {Say("what", "was"), Say("machine as it is", "Maschine, wie sie ist"),
+                    Say("compensated with these errors", "mit diesen Abweichungen kompensiert")};
+    section.rows.push_back(
+        {Say("tool point over the measured box, rms [95 %]", "Werkzeugpunkt im gemessenen Bereich, qu. Mittel [95 %]"),
+         Figure(box.uncorrected), Figure(box.after)});
+    std::vector<std::string> ranges;
+    for (const reports::AxisRange& range : box.box) {
+      ranges.push_back(absl::StrCat(range.axis, " ", Number(range.from), " … ", Number(range.to),
+                                    range.unit == "deg" ? "°" : " " + range.unit));
+    }
+    AddList(Say("Measured box: ", "Gemessener Bereich: "), ",", ranges, &section);
+    if (!box.gain_is_held) {
+      section.lines.push_back(
+          Say("The readings promise no gain over compensating the declared errors alone.",
+              "Die Messwerte versprechen keinen Gewinn gegenüber den erklärten Abweichungen allein."));
     }
     Add(std::move(section), kMostLines);
   }
 
   std::string Figure(const reports::VolumetricFigure& figure) const {
-    return absl::StrCat(Number(figure.rms_um), " [", Number(figure.low_um), "; ", Number(figure.high_um), "]");
+    return IntervalText(figure.rms_um, figure.low_um, figure.high_um, language_);
   }
 
   void AddSessions() {
     Section section;
     section.title = Say("Measured with", "Gemessen mit");
     section.columns = "tttnnnn";
-    section.head = {Say("session", "Messung"),
-                    Say("instrument, serial number", "Messmittel, Seriennummer"),
-                    Say("when", "wann"),
-                    Say("stated u, µm", "angegeben u, µm"),
-                    Say("readings", "Messwerte"),
-                    Say("rms, µm", "qu. Mittel, µm"),
-                    Say("greatest, µm", "größter, µm")};
+    section.head = {Say("session", "Messung"), Say("instrument, serial number", "Messmittel, Seriennummer"),
+                    Say("when", "wann"),       Say("stated u, µm", "ang. u, µm"),
+                    Say("readings", "Werte"),  Say("rms, µm", "RMS, µm"),
+                    Say("max, µm", "max., µm")};
     for (const reports::SessionFit& fit : fitted_.sessions) {
-      const auto found = std::find_if(it_.sessions.begin(), it_.sessions.end(),
-                                      [&](const auto& session) { return session.name == fit.in.session; });
+      const records::SessionRecord* const found = RecordOf(fit);
       std::string instrument = NotStated(), when = kNone, sigma = kNone;
-      if (found != it_.sessions.end()) {
+      if (found != nullptr) {
         const std::string* const serial = HeaderOf(*found, "serial");
         const std::string* const stated = HeaderOf(*found, "sigma_um");
-        instrument = absl::StrCat(found->instrument, ", ", serial ? *serial : NotStated());
+        instrument = InstrumentWords(*found, language_) + ", " +
+                     (serial ? *serial : Say("no serial number", "ohne Seriennummer"));
         if (found->measured_at) when = TimeText(*found->measured_at);
         if (stated) sigma = *stated;
         if (language_ == Language::kGerman) std::replace(sigma.begin(), sigma.end(), '.', ',');
       }
       section.rows.push_back({Cut(fit.in.session, 40), Cut(instrument, 60), when, Cut(sigma, 12),
                               absl::StrCat(fit.readings), Number(fit.rms_um), Number(fit.max_um)});
-      if (found != it_.sessions.end()) AddCertificates(*found, &section);
     }
-    Add(std::move(section), kMostSessions);
+    std::vector<const records::SessionRecord*> known;
+    for (const reports::SessionFit& fit : fitted_.sessions)
+      if (const auto* const record = RecordOf(fit); record != nullptr) known.push_back(record);
+    for (const auto& [lines, most] :
+         {std::pair{SetupLines(known, language_), kMostSessions}, {CertificateLines(known, language_), kMostLines}}) {
+      section.lines.insert(section.lines.end(), lines.begin(), lines.begin() + std::min(lines.size(), most));
+      if (lines.size() > most) section.lines.push_back(LeftOut(lines.size() - most));
+    }
+    Add(std::move(section), kMostSessions, kMostOfRemark, kMostSessions + kMostLines + 2);
   }
 
-  void AddCertificates(const records::SessionRecord& record, Section* section) const {
-    for (const session::Certificate& certificate : session::CertificatesOf(record.header)) {
-      std::string line =
-          absl::StrCat(record.name, ": ", Say("certificate ", "Kalibrierschein "), certificate.number,
-                       Say(" of ", " für "), certificate.of, Say(", valid until ", ", gültig bis "), certificate.due);
-      if (record.measured_at && *record.measured_at >= certificate.valid_until)
-        line += Say(" (expired when measured)", " (bei der Messung abgelaufen)");
-      section->lines.push_back(std::move(line));
-    }
+  const records::SessionRecord* RecordOf(const reports::SessionFit& fit) const {
+    const auto found = std::find_if(it_.sessions.begin(), it_.sessions.end(),
+                                    [&](const auto& session) { return session.name == fit.in.session; });
+    return found == it_.sessions.end() ? nullptr : &*found;
+  }
+
+  // Reports of earlier versions have English alone.
+  std::string InLanguage(const std::string& english, const std::string& german) const {
+    if (language_ == Language::kEnglish) return english;
+    return german.empty() ? absl::StrCat("(englisch) ", english) : german;
   }
 
   void AddRemarks() {
     Section section;
     section.title = Say("Remarks", "Bemerkungen");
-    for (const reports::Warning& warning : fitted_.warnings) section.lines.push_back(warning.text);
+    for (const reports::Warning& warning : fitted_.warnings)
+      section.lines.push_back(InLanguage(warning.text, warning.german));
     if (const auto* loop = std::get_if<reports::Loop>(&it_.report)) {
       for (const reports::Cause& cause : loop->causes)
-        section.lines.push_back(Say("Not the machine: ", "Nicht die Maschine: ") + cause.subject);
+        section.lines.push_back(Say("Not the machine: ", "Nicht die Maschine: ") +
+                                InLanguage(cause.subject, cause.subject_german));
+      std::vector<std::string> held_back;
+      for (const reports::HeldBack& held : loop->held_back) held_back.push_back(held.subject);
+      AddList(Say("Found, and in none of the errors above: ", "Gefunden, und in keiner der Abweichungen oben: "), ",",
+              held_back, &section);
       if (!loop->unexplained.empty()) {
         section.lines.push_back(absl::StrCat(Say("Found without a name: ", "Gefunden, ohne Namen: "),
                                              loop->unexplained.size(),
@@ -327,10 +421,13 @@ class Writer {
 
   // Lines are cut, and rows and lines beyond `most` give way to a word on how many there are.
   void Add(Section section, size_t most, size_t most_letters = kMostLetters) {
+    Add(std::move(section), most, most_letters, most);
+  }
+  void Add(Section section, size_t most, size_t most_letters, size_t most_lines) {
     for (std::string& line : section.lines) line = Cut(line, most_letters);
-    if (section.lines.size() > most) {
-      const std::string more = LeftOut(section.lines.size() - most);
-      section.lines.resize(most);
+    if (section.lines.size() > most_lines) {
+      const std::string more = LeftOut(section.lines.size() - most_lines);
+      section.lines.resize(most_lines);
       section.lines.push_back(more);
     }
     if (section.rows.size() > most) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_join.h"
 #include "core/session/text.h"
 #include "core/sheet/error_words.h"
 #include "core/sheet/html.h"
@@ -64,6 +65,12 @@ std::vector<std::string> RowOf(const Sheet& sheet, const std::string& first) {
   return {};
 }
 
+Section SectionOf(const Sheet& sheet, const std::string& title) {
+  for (const Section& section : sheet.sections)
+    if (section.title == title) return section;
+  return {};
+}
+
 TEST(CalibrationSheet, SaysErrorsWithExpandedUncertaintyInWordsOfTheStandard) {
   const Sheet sheet = CalibrationSheet(ACalibration(), Language::kEnglish);
   EXPECT_THAT(RowOf(sheet, "EX0C"), ElementsAre("EX0C", "position error of C in X", "-22.24", "0.15", "0.32", "µm"));
@@ -73,8 +80,9 @@ TEST(CalibrationSheet, SaysErrorsWithExpandedUncertaintyInWordsOfTheStandard) {
   EXPECT_THAT(RowOf(sheet, "readings, rms"), ElementsAre("readings, rms", "20", "0.31"));
   EXPECT_THAT(RowOf(sheet, "BX"), ElementsAre("BX", "ballbar, QC-1234", "–", "0.3", "400", "0.31", "1.7"));
   EXPECT_EQ(RowOf(sheet, "other")[1], "not stated");
-  EXPECT_THAT(sheet.sections[1].lines, ElementsAre("No number: EXX:linear", "Changes no reading: EX0B - EX0C",
-                                                   "Known together: EX0B + EX0C = 7.25 µm, u = 0.5 µm"));
+  EXPECT_THAT(RowOf(sheet, "EX0B + EX0C"), ElementsAre("EX0B + EX0C", "7.2", "0.50", "1.1", "µm"));
+  EXPECT_THAT(SectionOf(sheet, "What the readings do not tell").lines,
+              ElementsAre("No number: EXX:linear", "Changes no reading: EX0B - EX0C"));
   EXPECT_EQ(sheet.facts[0].value, "not stated");
   EXPECT_EQ(sheet.facts[2].value, "not stated");
   EXPECT_EQ(sheet.facts[3].value, "Ann");
@@ -132,54 +140,46 @@ TEST(CalibrationSheet, IsGermanForGermanReaders) {
   EXPECT_EQ(RowOf(sheet, "BX")[3], "0,3");
 }
 
-TEST(CalibrationSheet, ManyErrorsStandInPairs) {
-  CalibrationToPrint calibration = ACalibration();
-  auto& errors = std::get<reports::Identification>(calibration.report).fitted.errors;
-  for (int i = 0; i < 57; ++i) errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), i * 1.0, 1, "um", true});
-  ASSERT_EQ(errors.size(), 59u);
-  const Section section = CalibrationSheet(calibration, Language::kEnglish).sections[0];
-  EXPECT_EQ(section.columns.size(), section.head.size());
-  ASSERT_EQ(section.rows.size(), 30u);
-  EXPECT_THAT(section.rows[0], ElementsAre("EX0C", "-22.24", "0.15", "0.32", "µm",  //
-                                           "EXC:harmonic(28)", "28.0", "1", "2.1", "µm"));
-  EXPECT_THAT(section.rows[29], ElementsAre("EXC:harmonic(27)", "27.0", "1", "2.1", "µm", "", "", "", "", ""));
-  EXPECT_THAT(section.lines, Not(Contains(HasSubstr("more"))));
-  // In smaller letters where the usual ones would take a second page.
-  EXPECT_THAT(ToHtml(CalibrationSheet(ACalibration(), Language::kEnglish)), Not(HasSubstr("class=\"dense\"")));
-  auto& sessions = std::get<reports::Identification>(calibration.report).fitted.sessions;
-  sessions.resize(8, sessions[0]);
-  EXPECT_THAT(ToHtml(CalibrationSheet(calibration, Language::kEnglish)), HasSubstr("<body class=\"dense\">"));
-}
-
-TEST(CalibrationSheet, WhatWouldNotFitIsCutAndSaysSo) {
+// The value has the place of the second digit of U, in every table; U = 2.1 u.
+TEST(CalibrationSheet, ValuesHaveTheDigitsOfTheirExpandedUncertainty) {
   CalibrationToPrint calibration = ACalibration();
   auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
-  for (int i = 0; i < 98; ++i)
-    fitted.errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), 1, 1, "um", true});
-  fitted.not_separable = {std::string(5000, 'x') + "ü"};
-  const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
-  EXPECT_EQ(sheet.sections[0].rows.size(), 30u);
-  EXPECT_THAT(sheet.sections[0].lines, Contains("and 40 more, in the report as JSON"));
-  for (const std::string& line : sheet.sections[1].lines) EXPECT_LT(line.size(), 200u);
+  fitted.errors = {{"EX0C", "EX0C", 6.3612, 0.0476, "um", true}, {"EA0C", "EA0C", 101.04, 6.9, "urad", true}};
+  fitted.determined = {{"0.5 EX0B + EX0C", 1234.56, 100.0, "um"}};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kGerman);
+  EXPECT_THAT(RowOf(sheet, "EX0C"), ElementsAre("EX0C", "Lageabweichung von C in X", "6,36", "0,048", "0,10", "µm"));
+  EXPECT_THAT(RowOf(sheet, "EA0C"),
+              ElementsAre("EA0C", "Rechtwinkligkeitsabweichung von C zu Y", "101", "6,9", "14", "µrad"));
+  EXPECT_THAT(RowOf(sheet, "0,5 EX0B + EX0C"), ElementsAre("0,5 EX0B + EX0C", "1230", "100", "210", "µm"));
 }
 
-TEST(CalibrationSheet, SaysWhatTheLoopFound) {
-  reports::Loop loop;
-  reports::Effect effect;
-  effect.is.name = "EBB:harmonic(45)";
-  effect.equivalent.resize(1);
-  effect.equivalent[0].name = "EBB:curve";
-  loop.effects = {effect};
-  loop.causes = {{reports::CauseKind::kInstrument, "rtest: gain of x", 812.0, "calibrate it"}};
-  loop.fit = {{.rms_um = 12.0, .max_um = 30.0}, {.rms_um = 0.4, .max_um = 1.0}};
-  loop.check = reports::Check{{.rms_um = 11.0, .max_um = 30.0}, {.rms_um = 0.5, .max_um = 1.0}, false};
-  loop.volumetric = reports::Volumetric{.uncorrected = {30.0, 28.0, 32.0}, .after = {1.0, 0.5, 1.5}};
-  const Sheet sheet = CalibrationSheet({loop, {}, {}, {}}, Language::kEnglish);
-  EXPECT_THAT(RowOf(sheet, "check sessions, rms"), ElementsAre("check sessions, rms", "11", "0.5"));
-  const std::string box = "tool point over the measured box, rms [95 %]";
-  EXPECT_THAT(RowOf(sheet, box), ElementsAre(box, "30 [28; 32]", "1 [0.5; 1.5]"));
-  EXPECT_THAT(sheet.sections[1].lines, Contains("EBB:harmonic(45) may as well be EBB:curve"));
-  EXPECT_THAT(sheet.sections.back().lines, Contains("Not the machine: rtest: gain of x"));
+// An arm of which most errors have no number: those that have one keep their meaning, the sums are there with U.
+TEST(CalibrationSheet, AnArmHasMeaningsAndSums) {
+  CalibrationToPrint calibration = ACalibration();
+  calibration.machine = AnArm();
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  fitted.errors.clear();
+  fitted.not_separable.clear();
+  fitted.determined.clear();
+  for (const char* axis : {"J1", "J2", "J3"}) {
+    for (const char* component : {"EX0", "EY0", "EZ0", "EA0", "EB0", "EC0"}) {
+      const std::string name = absl::StrCat(component, axis);
+      for (const char* part : {"", ":linear"})  // more than a page has rows
+        fitted.errors.push_back({name, name + part, 1.0, 0.1, "um", name == "EX0J3" || name == "EB0J3"});
+      fitted.not_separable.push_back(absl::StrCat(name, " - 0.425 EB0J9"));
+    }
+    fitted.determined.push_back({absl::StrCat("EB0", axis, " + 0.5 EC0J9"), 2.0, 0.1, "urad"});
+  }
+  const Sheet sheet = CalibrationSheet(calibration, Language::kGerman);
+  EXPECT_EQ(sheet.title, "Geometrische Abweichungen eines Roboterarms");
+  ASSERT_EQ(sheet.sections[0].rows.size(), 4u);
+  EXPECT_EQ(RowOf(sheet, "EX0J3")[1], "Glied zwischen Gelenk 2 und 3: Länge entlang X");
+  EXPECT_EQ(RowOf(sheet, "EB0J3")[1], "Gelenk 3: Nullpunktversatz");
+  EXPECT_THAT(RowOf(sheet, "EB0J3 + 0,5 EC0J9"), ElementsAre("EB0J3 + 0,5 EC0J9", "2,00", "0,10", "0,21", "µrad"));
+  EXPECT_EQ(SectionOf(sheet, "Zusammen bekannt, einzeln nicht").rows.size(), 3u);
+  const Section untold = SectionOf(sheet, "Was die Messwerte nicht trennen");
+  EXPECT_THAT(absl::StrJoin(untold.lines, " "), HasSubstr("Ohne Zahl: EX0J1, EX0J1:linear, EY0J1"));
+  EXPECT_THAT(absl::StrJoin(untold.lines, " "), HasSubstr("EC0J3 - 0,425 EB0J9"));
 }
 
 TEST(ErrorWords, OfAnArmAreOfJointsAndLinks) {
@@ -205,6 +205,135 @@ TEST(ErrorWords, OfAnArmAreOfJointsAndLinks) {
   mill.axes = {AnAxis("X", {1, 0, 0}, {0, 0, 0}), AnAxis("C", {0, 0, -1}, {0, 0, 0})};
   EXPECT_EQ(ErrorWords("EC0C", mill, Language::kEnglish), "zero position error of C");
   EXPECT_EQ(ErrorWords("EC0C", std::nullopt, Language::kEnglish), "zero position error of C");
+}
+
+// At which tool point the figures hold, and what was stated of each set-up.
+TEST(CalibrationSheet, SaysHowItWasMeasured) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  fitted.sessions[1].in = {"CR", "CR"};
+  calibration.sessions.push_back(calibration.sessions[0]);
+  calibration.sessions[1].name = "CR";
+  for (records::SessionRecord& session : calibration.sessions) {
+    for (const auto& [key, value] : {std::pair{"tool_tip_mm", "0 0 -350.500"}, {"table_ball_mm", "50 0 65"}})
+      session.header.push_back({key, value});
+  }
+  const auto lines = [&](Language language) {
+    const Sheet sheet = CalibrationSheet(calibration, language);
+    return SectionOf(sheet, language == Language::kGerman ? "Gemessen mit" : "Measured with").lines;
+  };
+  EXPECT_EQ(CalibrationSheet(calibration, Language::kEnglish).facts[4].value, "(0; 0; -350.5) mm");
+  EXPECT_THAT(lines(Language::kEnglish), ElementsAre("all sessions: table ball at (50; 0; 65) mm"));
+  calibration.sessions[1].instrument = "length";
+  calibration.sessions[1].header = {
+      {"tool_tip_mm", "0 0 -150"}, {"anchor_mm", "0.5 -500 20"}, {"anchor_on", "bed"},  {"scale_sigma_um", "100"},
+      {"knocked_s", "120.5 900"},  {"reference R1", "1 2 3"},    {"datum", "free X Z"}, {"setup", "wire"}};
+  EXPECT_EQ(CalibrationSheet(calibration, Language::kGerman).facts[4].value, "(0; 0; -150) mm, (0; 0; -350,5) mm");
+  EXPECT_THAT(lines(Language::kGerman),
+              ElementsAre("BX: Werkzeugpunkt (0; 0; -350,5) mm, Tischkugel bei (50; 0; 65) mm",
+                          "CR: Werkzeugpunkt (0; 0; -150) mm, Ankerpunkt bei (0,5; -500; 20) mm am Bett, u der Teilung "
+                          "100 µm/m, Tracker angestoßen bei t = 120,5; 900 s, Nullpunkt neu gesetzt: X Z, Aufspannung "
+                          "wire, Referenzziele neben der Maschine: R1"));
+  EXPECT_EQ(RowOf(CalibrationSheet(calibration, Language::kGerman), "CR")[1],
+            "Länge von einem Ankerpunkt, ohne Seriennummer");
+}
+
+// What a residual is of, and what the tool point's error is of, stands above each number.
+TEST(CalibrationSheet, SaysBeforeWhat) {
+  CalibrationToPrint calibration = ACalibration();
+  const auto head = [&](const char* title) {
+    return SectionOf(CalibrationSheet(calibration, Language::kEnglish), title).head;
+  };
+  const char* const kResiduals = "Residuals of the readings, µm";
+  EXPECT_THAT(head(kResiduals), ElementsAre("what", "without these errors", "with these errors"));
+  std::get<reports::Identification>(calibration.report).held.emplace();
+  EXPECT_THAT(head(kResiduals), ElementsAre("what", "held errors alone", "with these errors"));
+  std::get<reports::Identification>(calibration.report).before.reset();
+  EXPECT_THAT(head(kResiduals), ElementsAre("what", "machine and set-ups as stated", "with these errors"));
+  calibration.report = reports::Loop{.volumetric = reports::Volumetric{}};
+  EXPECT_THAT(head(kResiduals), ElementsAre("what", "declared model", "with all that was found"));
+  EXPECT_THAT(head("Error of the tool point, µm"),
+              ElementsAre("what", "machine as it is", "compensated with these errors"));
+}
+
+// Warnings, causes, instruments, stated facts: no English but names, unless the report has nothing else.
+TEST(CalibrationSheet, RemarksAreGermanForGermanReaders) {
+  CalibrationToPrint calibration = ACalibration();
+  calibration.sessions[0].instrument = "centres";
+  calibration.sessions[0].header.push_back({"expansion bar", "11.5 0.5"});
+  calibration.sessions[0].header.push_back({"temperature_sigma_K", "0.1"});
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  fitted.stated = {{"expansion of bar, 11.5 +- 0.5 um/(m K)", {{"EX0C", 0.14}}},
+                   {"thermometer of temp_C, +- 0.1 K", {{"EX0C", 0.14}}}};
+  fitted.warnings = {reports::InWords(reports::Scatter{.times_sigma = 2.34}),
+                     {reports::WarningKind::kClock, "as an earlier version said it"}};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kGerman);
+  EXPECT_THAT(sheet.sections.back().lines,
+              ElementsAre(fitted.warnings[0].german, "(englisch) as an earlier version said it"));
+  EXPECT_EQ(RowOf(sheet, "BX")[1], "Messtaster (Kugelmitten), QC-1234");
+  EXPECT_THAT(sheet.sections[0].lines,
+              ElementsAre("In u durch Ausdehnung des Stabs, 11,5 ± 0,5 µm/(m K): 0,14 µm von EX0C",
+                          "In u durch Thermometer temp_C, ± 0,1 K: 0,14 µm von EX0C"));
+  reports::Loop loop;
+  loop.causes = {{reports::CauseKind::kNominal, "all sessions: x", 9.0, "", "alle Messungen: x", ""}};
+  calibration.report = loop;
+  EXPECT_THAT(CalibrationSheet(calibration, Language::kGerman).sections.back().lines,
+              ElementsAre("Nicht die Maschine: alle Messungen: x"));
+}
+
+TEST(CalibrationSheet, ManyErrorsStandInPairs) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& errors = std::get<reports::Identification>(calibration.report).fitted.errors;
+  for (int i = 0; i < 57; ++i) errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), i * 1.0, 1, "um", true});
+  ASSERT_EQ(errors.size(), 59u);
+  const Section section = CalibrationSheet(calibration, Language::kEnglish).sections[0];
+  EXPECT_EQ(section.columns.size(), section.head.size());
+  ASSERT_EQ(section.rows.size(), 30u);
+  EXPECT_THAT(section.rows[0], ElementsAre("EX0C", "-22.24", "0.15", "0.32", "µm",  //
+                                           "EXC:harmonic(28)", "28.0", "1.0", "2.1", "µm"));
+  EXPECT_THAT(section.rows[29], ElementsAre("EXC:harmonic(27)", "27.0", "1.0", "2.1", "µm", "", "", "", "", ""));
+  EXPECT_THAT(section.lines, Not(Contains(HasSubstr("more"))));
+  // In smaller letters where the usual ones would take a second page.
+  EXPECT_THAT(ToHtml(CalibrationSheet(ACalibration(), Language::kEnglish)), Not(HasSubstr("class=\"dense\"")));
+  auto& sessions = std::get<reports::Identification>(calibration.report).fitted.sessions;
+  sessions.resize(8, sessions[0]);
+  EXPECT_THAT(ToHtml(CalibrationSheet(calibration, Language::kEnglish)), HasSubstr("<body class=\"dense\">"));
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  fitted.determined.resize(18, fitted.determined[0]);
+  fitted.warnings.resize(5, reports::InWords(reports::TrackerMoved{.session = "T"}));
+  EXPECT_THAT(ToHtml(CalibrationSheet(calibration, Language::kEnglish)), HasSubstr("<body class=\"denser\">"));
+}
+
+TEST(CalibrationSheet, WhatWouldNotFitIsCutAndSaysSo) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  for (int i = 0; i < 98; ++i)
+    fitted.errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), 1, 1, "um", true});
+  fitted.not_separable = {std::string(5000, 'x') + "ü"};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
+  EXPECT_EQ(sheet.sections[0].rows.size(), 30u);
+  EXPECT_THAT(sheet.sections[0].lines, Contains("and 40 more, in the report as JSON"));
+  for (const std::string& line : SectionOf(sheet, "What the readings do not tell").lines) EXPECT_LT(line.size(), 200u);
+}
+
+TEST(CalibrationSheet, SaysWhatTheLoopFound) {
+  reports::Loop loop;
+  reports::Effect effect;
+  effect.is.name = "EBB:harmonic(45)";
+  effect.equivalent.resize(1);
+  effect.equivalent[0].name = "EBB:curve";
+  loop.effects = {effect};
+  loop.causes = {{reports::CauseKind::kInstrument, "rtest: gain of x", 812.0, "calibrate it"}};
+  loop.fit = {{.rms_um = 12.0, .max_um = 30.0}, {.rms_um = 0.4, .max_um = 1.0}};
+  loop.check = reports::Check{{.rms_um = 11.0, .max_um = 30.0}, {.rms_um = 0.5, .max_um = 1.0}, false};
+  loop.volumetric = reports::Volumetric{.uncorrected = {30.0, 28.0, 32.0}, .after = {1.0, 0.5, 1.5}};
+  const Sheet sheet = CalibrationSheet({loop, {}, {}, {}}, Language::kEnglish);
+  EXPECT_THAT(RowOf(sheet, "check sessions, rms"), ElementsAre("check sessions, rms", "11", "0.5"));
+  const std::string box = "tool point over the measured box, rms [95 %]";
+  EXPECT_THAT(RowOf(sheet, box), ElementsAre(box, "30.0 [28.0; 32.0]", "1.00 [0.50; 1.50]"));
+  EXPECT_THAT(SectionOf(sheet, "What the readings do not tell").lines,
+              Contains("EBB:harmonic(45) may as well be EBB:curve"));
+  EXPECT_THAT(sheet.sections.back().lines, Contains("Not the machine: rtest: gain of x"));
 }
 
 TEST(IsoWords, NamesEveryKindOfError) {

@@ -29,10 +29,24 @@ constexpr char kStyle[] =
     ".sign{display:flex;gap:10mm;margin-top:12mm}.sign p{flex:1;border-top:.3mm solid #000;padding-top:.8mm}"
     "footer{margin-top:2mm;font-size:7.5pt;color:#333}"
     ".dense{font-size:7.5pt}"
+    ".denser{font-size:5.5pt;line-height:1.12}.denser td,.denser th{padding-top:0;padding-bottom:0}"
+    ".denser h2{font-size:6.5pt;margin:1mm 0 .3mm}.denser p{margin:0}.denser footer{font-size:5.5pt;margin-top:1mm}"
+    ".denser .sign{margin-top:9mm}"
     "@media print{body{padding:0}}";
 
-// Rows and lines that fit on a page in the usual letters.
-constexpr size_t kMostUsual = 42;
+// Lines that fit on a page in the usual letters, and in smaller ones.
+constexpr size_t kMostUsual = 42, kMostDense = 62;
+
+// Lines that the sections take: a long text takes several.
+size_t LinesOf(const Sheet& sheet) {
+  constexpr size_t kLettersOfALine = 130;
+  size_t count = 0;
+  for (const Section& section : sheet.sections) {
+    count += section.rows.size();
+    for (const std::string& line : section.lines) count += 1 + line.size() / kLettersOfALine;
+  }
+  return count;
+}
 
 std::string Cells(const Section& section, const std::vector<std::string>& cells, bool is_head) {
   std::string html = "<tr>";
@@ -58,16 +72,17 @@ std::string ToHtml(const Section& section) {
 }  // namespace
 
 std::string ToHtml(const Sheet& sheet) {
-  size_t count = 0;
-  for (const Section& section : sheet.sections) count += section.rows.size() + section.lines.size();
+  const size_t count = LinesOf(sheet);
   const std::string title = Escape(sheet.title), subtitle = Escape(sheet.subtitle);
   std::string html = absl::StrCat(
       "<!DOCTYPE html>\n<html lang=\"", sheet.language == Language::kGerman ? "de" : "en",
       "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
       "<title>",
       title, " · ", subtitle, "</title><style>", kStyle, "</style></head>\n<body",
-      count > kMostUsual ? " class=\"dense\"" : "", "><main>\n<h1>", title, "</h1>\n<p class=\"sub\">", subtitle,
-      "</p>\n<dl>");
+      count > kMostDense   ? " class=\"denser\""
+      : count > kMostUsual ? " class=\"dense\""
+                           : "",
+      "><main>\n<h1>", title, "</h1>\n<p class=\"sub\">", subtitle, "</p>\n<dl>");
   for (const Fact& fact : sheet.facts)
     absl::StrAppend(&html, "<div><dt>", Escape(fact.name), "</dt><dd>", Escape(fact.value), "</dd></div>\n");
   html += "</dl>\n";

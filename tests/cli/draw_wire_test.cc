@@ -12,6 +12,7 @@
 namespace axiscal {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Source;
 
@@ -86,7 +87,8 @@ TEST_F(DrawWire, FromTheLogsToTheReport) {
   EXPECT_EQ(Run("approve 1").exit_code, 0);
   const auto report = Run("report 1 -o report.html");
   ASSERT_EQ(report.exit_code, 0) << report.err;
-  EXPECT_THAT(Read("report.html"), HasSubstr("EC0X"));
+  EXPECT_THAT(Read("report.html"),
+              AllOf(HasSubstr("EC0X"), HasSubstr("length from an anchor"), HasSubstr("anchor at (")));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 namespace axiscal {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Source;
 
@@ -111,7 +112,8 @@ TEST_F(Interferometer, FromTheLogToTheReport) {
   EXPECT_THAT(shown.out, HasSubstr("EXX:backlash"));
   const auto report = Run("report 1 -o report.html");
   ASSERT_EQ(report.exit_code, 0) << report.err;
-  EXPECT_THAT(Read("report.html"), HasSubstr("EXX:linear"));
+  EXPECT_THAT(Read("report.html"),
+              AllOf(HasSubstr("EXX:linear"), HasSubstr("length along a beam"), HasSubstr("beam along (")));
   // The loop finds both by itself; from one line along X it cannot tell whether X lags or tilts as it turns around.
   const auto found = Run("close-loop --machine mt --fit X-16,X-18,X-20,X-22 --check X-24");
   ASSERT_EQ(found.exit_code, 0) << found.err;

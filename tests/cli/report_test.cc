@@ -37,7 +37,8 @@ TEST_F(Report, OfAStoredCalibrationIsAPage) {
   EXPECT_THAT(written.out, HasSubstr("one page is in page.pdf"));
   const std::string text = TextOf("page.pdf");
   for (const char* said : {"Geometric errors of a machine tool", "ISO 230-1", "integrex-i200, w-C'bZYXB(C1)-t", "EZ0T",
-                           "offset of spindle and tool in Z", "B-short-run1", "centres, not stated",
+                           "offset of spindle and tool in Z", "B-short-run1", "touch probe (sphere centres)",
+                           "B-short-run1: tool point (0; 0; -382.95) mm, table ball at (-490; 0; -472) mm",
                            "U (k = ", "candidate", "Approved: date, name, signature"})
     EXPECT_THAT(text, HasSubstr(said));
   ASSERT_EQ(Run("report 1 -o page.html --language de").exit_code, 0);
@@ -48,7 +49,7 @@ TEST_F(Report, OfAReportFileSaysWhatItsFilesSay) {
   const auto calibration = Run("calibration show 1 --json").Json();
   Write("report.json", calibration["report"].dump());
   std::string session = Read("B-short-run1.csv");
-  session.insert(session.find("# sigma_um"), "# serial: S-77\n# operator: Ann\n");
+  session.insert(session.find("# sigma_um"), "# serial: S-77\n# operator: Ann\n# started: 2026-03-04T05:06:00Z\n");
   Write("with-serial.csv", session);
   ASSERT_EQ(Run("report report.json -o page.pdf").exit_code, 0);
   EXPECT_THAT(TextOf("page.pdf"), AllOf(HasSubstr("not stated"), HasSubstr("EZ0T")));
@@ -56,8 +57,10 @@ TEST_F(Report, OfAReportFileSaysWhatItsFilesSay) {
       Run("report report.json --machine machine.json --sessions with-serial.csv --language de -o full.pdf --json");
   ASSERT_EQ(written.exit_code, 0) << written.err;
   EXPECT_EQ(written.Json()["file"], "full.pdf");
-  EXPECT_THAT(TextOf("full.pdf"), AllOf(HasSubstr("centres, S-77"), HasSubstr("Ann"), HasSubstr("integrex-i200"),
-                                        HasSubstr("Vorher und nachher")));
+  EXPECT_THAT(TextOf("full.pdf"),
+              AllOf(HasSubstr("Messtaster (Kugelmitten), S-77"), HasSubstr("2026-03-04 05:06 UTC"), HasSubstr("Ann"),
+                    HasSubstr("integrex-i200"), HasSubstr("Restfehler der Messwerte"),
+                    HasSubstr("EZ0T bei 3183 µm: eine Maschine von")));
 }
 
 TEST_F(Report, SaysWhatIsWrong) {
