@@ -66,12 +66,39 @@ std::string ShiftsText(const std::vector<reports::Shift>& shifts) {
   return text;
 }
 
+// What the calibration's own report says against it.
+std::string DoubtsText(const reports::Rewrite& report) {
+  std::string text;
+  for (const reports::Warning& warning : report.calibration_warnings)
+    absl::StrAppend(&text, "warning of the calibration: ", warning.text, "\n");
+  for (const reports::Cause& cause : report.calibration_causes)
+    absl::StrAppend(&text, "no error of the machine, says the calibration: ", cause.subject, ": ", cause.correction,
+                    "\n");
+  return text;
+}
+
+// Moves that nobody programmed.
+std::string WaysBackText(const reports::Rewrite& report) {
+  constexpr size_t kShown = 5;
+  if (report.ways_back.empty()) return "";
+  const int64_t count = report.blocks.going_back;
+  std::string text = absl::StrCat(count, count == 1 ? " move was" : " moves were",
+                                  " added, back to where the program says that a block which stays as it is begins:\n");
+  for (size_t i = 0; i < report.ways_back.size() && i < kShown; ++i) {
+    const reports::WayBack& way = report.ways_back[i];
+    absl::StrAppend(&text, "  in front of line ", way.line, ": ", way.block, "  (", NumberText(way.way_um), " um)\n");
+  }
+  if (count > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
+  return text;
+}
+
 }  // namespace
 
 std::string RewriteReportText(const reports::Rewrite& report, const std::string& output, const std::string& dialect) {
   std::string text =
       absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\ndialect: %s\n", output,
                       report.blocks.corrected, report.blocks.read, report.blocks.split, report.blocks.passed, dialect);
+  text += DoubtsText(report);
   std::vector<std::vector<std::string>> rows = {{"", "max um", "rms um"}};
   const auto row = [&rows](const std::string& name, const reports::Spread& spread) {
     rows.push_back({name, NumberText(spread.max_um), NumberText(spread.rms_um)});
@@ -82,6 +109,7 @@ std::string RewriteReportText(const reports::Rewrite& report, const std::string&
   absl::StrAppend(&text, Table(rows), ShiftsText(report.shifts), OrientationText(report.orientation),
                   LeftText(report.holes, "holes of drilling cycles", "at the bottom"),
                   LeftText(report.contours, "moves under cutter compensation", "along the contour"));
+  text += WaysBackText(report);
   absl::StrAppend(&text, LineRangesText("not corrected", report.not_corrected, report.ranges_not_corrected));
   for (const auto& [axis, angle_deg] : report.rotary_stood_deg)
     absl::StrAppend(&text, axis, " is never named: taken to stand at ", NumberText(angle_deg),

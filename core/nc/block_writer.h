@@ -54,6 +54,8 @@ class BlockWriter {
   void LeaveAdrift(const char* text, size_t size, const StateBefore& before, const std::string& line_end,
                    OutBuffer* out);
   bool HasDeparted() const { return Departed() != 0; }
+  // How far Return brings the linear axes, all together, mm.
+  double WayBackMm() const;
   // Axes that may stand at a corrected position which is not known: of a block that may have been skipped.
   uint16_t adrift() const { return adrift_; }
   // The control is in G01 where the program is in G02 or G03, and this block would leave the text with that.

@@ -96,6 +96,11 @@ void JobReport::Passed(const BlockText& block, const std::string& reason, bool i
     report_.not_corrected.Add(block.line, source_.empty() ? reason : absl::StrCat("in ", source_, ": ", reason));
 }
 
+void JobReport::WentBack(const BlockText& block, const std::string& added, double way_mm) {
+  ++report_.blocks_going_back;
+  if (report_.ways_back.size() < kMaxFindings) report_.ways_back.push_back({block.line, added, way_mm});
+}
+
 void JobReport::Refused(const BlockText& block, const std::string& reason, bool is_consequence) {
   ++report_.blocks_refused;
   if (is_consequence && !report_.refused.empty()) return;

@@ -36,6 +36,8 @@ class JobReport {
   void Note(const BlockText& block, const std::string& kind, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.
   void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
+  // A block was added in front of this one, which brings the control back by so much.
+  void WentBack(const BlockText& block, const std::string& added, double way_mm);
   // Because of this block the program is refused.
   void Refused(const BlockText& block, const std::string& reason, bool is_consequence);
 

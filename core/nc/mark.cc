@@ -74,6 +74,10 @@ std::string HeadComments(const Dialect& dialect, const compensate::Compensator& 
     }
   };
   add(absl::StrCat(kMachine, options.machine));
+  if (!options.calibration_warns.empty()) {
+    add("AXISCAL ITS CALIBRATION WARNS OF " + Plain(absl::StrJoin(options.calibration_warns, " ")) +
+        " - READ ITS REPORT");
+  }
   const auto& tip = options.tool_tip_mm;
   add(absl::StrFormat("AXISCAL TOOL POINT AT HOME %s %s %s MM", Number(tip.x()), Number(tip.y()), Number(tip.z())));
   size_t listed = 0;

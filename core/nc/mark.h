@@ -2,6 +2,7 @@
 //   (AXISCAL COMPENSATED BY mt v3 SOURCE CRC32C 1A2B3C4D)
 // and, where RewriteOptions::machine is stated, behind it what its words hold for:
 //   (AXISCAL MACHINE mt)
+//   (AXISCAL ITS CALIBRATION WARNS OF size nominal - READ ITS REPORT)
 //   (AXISCAL OFFSET G54 X-490 Y0 Z0)
 //   (AXISCAL TOOL LENGTH 1 IS 120.5 MM)
 //   (AXISCAL TOOL RADIUS 1 IS 5 MM)

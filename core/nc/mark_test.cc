@@ -26,6 +26,22 @@ TEST(Mark, TheMarkStandsBehindTheProgramNumberAndIsRefusedAsInput) {
   EXPECT_FALSE(RewriteText("G1 X1.\n; axiscal compensated by me\n", LeaningHead(), kAtZero, &report).ok());
 }
 
+// Whoever loads the program at the control reads no report.
+TEST(Mark, TheHeadSaysOfWhatTheCalibrationWarns) {
+  RewriteOptions options = kAtZero;
+  options.machine = "mt";
+  RewriteReport report;
+  const auto quiet = RewriteText("G1 X1.\n", LeaningHead(), options, &report);
+  ASSERT_TRUE(quiet.ok()) << quiet.status();
+  EXPECT_EQ(quiet->find("WARNS"), std::string::npos) << *quiet;
+  options.calibration_warns = {"size", "no-number", "bad)\n"};
+  const auto text = RewriteText("G1 X1.\n", LeaningHead(), options, &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_THAT(*text,
+              HasSubstr(")\n(AXISCAL MACHINE mt)\n(AXISCAL ITS CALIBRATION WARNS OF size no-number bad__ - READ ITS "
+                        "REPORT)\n(AXISCAL TOOL POINT"));
+}
+
 TEST(Mark, AProgramOfWhichNoWordChangesCarriesNoMark) {
   RewriteOptions pass = kAtZero;
   pass.on_unsupported = OnUnsupported::kPass;

@@ -90,6 +90,8 @@ struct RewriteOptions {
   // Name of the machine, for the program's head, which then also says what of the options its words hold for. "": no
   // such head.
   std::string machine;
+  // With a head: of what the calibration's own report warns, kinds by their names ("size"), of which the head says so.
+  std::vector<std::string> calibration_warns;
   std::string dialect = "fanuc";  // a name of Dialects()
   OnUnsupported on_unsupported = OnUnsupported::kRefuse;
   BlockDelete block_delete = BlockDelete::kEither;

@@ -121,10 +121,14 @@ double AngleSpread::rms_rad() const {
 reports::Rewrite ReportOf(const RewriteReport& found) {
   reports::Rewrite report;
   report.calibration = found.calibration;
+  report.calibration_warnings = found.calibration_warnings;
+  report.calibration_causes = found.calibration_causes;
   report.dialect = found.dialect;
   report.null_correction = found.is_null_correction;
-  report.blocks = {found.blocks_read,     found.blocks_corrected, found.blocks_split,
-                   found.blocks_inserted, found.blocks_passed,    found.blocks_refused};
+  report.blocks = {found.blocks_read,   found.blocks_corrected, found.blocks_split,     found.blocks_inserted,
+                   found.blocks_passed, found.blocks_refused,   found.blocks_going_back};
+  for (const WayBack& way : found.ways_back)
+    report.ways_back.push_back({way.line, way.block, way.way_mm * base::kUmPerMm});
   for (const AxisSpread& axis : found.axes) report.correction.emplace_back(axis.axis, SpreadOf(axis.correction));
   for (const Shift& shift : found.shifts) report.shifts.push_back(ShiftOf(shift, found));
   report.missing = found.missing;

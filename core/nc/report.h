@@ -20,6 +20,14 @@ struct Finding {
   std::string reason;
 };
 
+// A block that was added in front of `line`, which is left as it is, to bring the control back to where the program
+// says.
+struct WayBack {
+  int64_t line = 0;   // of the source, from 1
+  std::string block;  // as it was added
+  double way_mm = 0;  // of all linear axes together
+};
+
 // Largest and root mean square of a quantity over all corrected blocks.
 struct Spread {
   double max_mm = 0;
@@ -125,6 +133,9 @@ class Path {
 
 struct RewriteReport {
   std::string calibration;
+  // What the calibration's own report says against it, where whoever rewrites knows of one.
+  std::vector<reports::Warning> calibration_warnings;
+  std::vector<reports::Cause> calibration_causes;
   bool is_null_correction = false;  // the output is the input, byte for byte
   int64_t blocks_read = 0;          // lines that hold at least one word
   int64_t blocks_corrected = 0;  // moves whose end point was computed, also where rounding left the bytes as they were
@@ -132,6 +143,8 @@ struct RewriteReport {
   int64_t blocks_inserted = 0;  // pieces added by splitting
   int64_t blocks_passed = 0;    // moves left uncorrected (kPass, null correction, skipped blocks)
   int64_t blocks_refused = 0;
+  int64_t blocks_going_back = 0;         // of blocks_inserted
+  std::vector<WayBack> ways_back;        // the first kMaxFindings
   std::vector<Finding> passed, refused;  // the first kMaxFindings of each
   LineRanges not_corrected;              // of a null correction: empty
   std::vector<Remark> notes;             // tool changes, text after the program's end, effects not carried

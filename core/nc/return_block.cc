@@ -21,6 +21,16 @@ uint16_t BlockWriter::Departed() const {
   return departed;
 }
 
+double BlockWriter::WayBackMm() const {
+  double squares_mm2 = 0.0;
+  for (const int axis : order_) {
+    if (!is_linear_[axis]) continue;
+    const double way_mm = static_cast<double>(Departure(axis)) / kTicksPerUnit;
+    squares_mm2 += way_mm * way_mm;
+  }
+  return std::sqrt(squares_mm2);
+}
+
 void BlockWriter::ForgetAll(uint16_t kept) {
   adrift_ |= static_cast<uint16_t>(Departed() & ~kept);
   commanded_.known &= kept;

@@ -197,6 +197,7 @@ void Rewriter::Impl::Return() {
                        false);
   }
   const size_t begin = out.size();
+  const double way_mm = writer.HasDeparted() && !step.is_tangential ? writer.WayBackMm() : 0.0;
   const std::string problem =
       step.is_tangential ? ""
       : has_changed_frame && writer.HasDeparted()
@@ -208,6 +209,11 @@ void Rewriter::Impl::Return() {
   }
   if (out.size() != begin) {
     ++job.report().blocks_inserted;
+    if (way_mm > 0) {
+      const char* const added = out.data() + begin;
+      const char* const end = std::find(added, out.data() + out.size(), '\n');
+      job.WentBack(now, std::string(added, TextSize(added, static_cast<size_t>(end - added))), way_mm);
+    }
     job.BreakPath();
   }
   const machine::Machine& machine = compensator.machine();

@@ -233,6 +233,25 @@ TEST(Rewriter, PassedBlocksLeavePositionsUnknown) {
   EXPECT_EQ(outcome.report.blocks_corrected, 1);
 }
 
+// A move that nobody programmed must be told: where it stands, as it was written, and how far it goes.
+TEST(Rewriter, TheWayBackToAPassedBlockIsNamed) {
+  RewriteOptions options = kAtZero;
+  options.on_unsupported = OnUnsupported::kPass;
+  const Outcome outcome = Rewritten("G1 X1. F100\r\nG1 X2.\r\nG41 D1\r\nX3.\r\n", options);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  EXPECT_EQ(outcome.text, "G1 X1.0417 F100\r\nG1 X2.0417\r\nG01 X2.0000\r\nG41 D1\r\nX3.\r\n");
+  EXPECT_EQ(outcome.report.blocks_inserted, 1);
+  EXPECT_EQ(outcome.report.blocks_going_back, 1);
+  ASSERT_EQ(outcome.report.ways_back.size(), 1u);
+  EXPECT_EQ(outcome.report.ways_back[0].line, 3);
+  EXPECT_EQ(outcome.report.ways_back[0].block, "G01 X2.0000");
+  EXPECT_NEAR(outcome.report.ways_back[0].way_mm, 0.0417, 1e-9);
+  const reports::Rewrite said = ReportOf(outcome.report);
+  EXPECT_EQ(said.blocks.going_back, 1);
+  EXPECT_NEAR(said.ways_back.at(0).way_um, 41.7, 1e-6);
+  EXPECT_EQ(Rewritten("G1 X1. F100\nG1 X2.\n", options).report.blocks_going_back, 0);
+}
+
 TEST(Rewriter, BlocksThatMayBeSkippedLeaveBothCasesSafe) {
   // Skipped or not, X of line 3 is written in full, and Y of line 2 is unknown until programmed.
   EXPECT_REWRITTEN(kAtZero, "G1 X0. Y0. Z0.\n/B90.\nB90. Y0.\n",

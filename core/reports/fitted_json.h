@@ -1,9 +1,10 @@
-// The members of fitted.h for the readers and writers of the reports that hold them.
+// The members of fitted.h, and of a cause, for the readers and writers of the reports that hold them.
 #ifndef AXISCAL_CORE_REPORTS_FITTED_JSON_H_
 #define AXISCAL_CORE_REPORTS_FITTED_JSON_H_
 
 #include "core/base/json_members.h"
 #include "core/reports/fitted.h"
+#include "core/reports/loop.h"
 
 namespace axiscal::reports {
 
@@ -19,6 +20,21 @@ void Members(Io& io, base::Like<Io, Warning> warning) {
   io.Required("kind", warning.kind);
   io.Required("text", warning.text);
   io.IfAny("text_de", warning.german);
+}
+
+inline const char* const* WordsOf(CauseKind) {
+  static constexpr const char* kWords[] = {"instrument", "nominal", "not-repeatable", nullptr};
+  return kWords;
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Cause> cause) {
+  io.Required("kind", cause.kind);
+  io.Required("subject", cause.subject);
+  io.Member("evidence", cause.evidence);
+  io.Member("correction", cause.correction);
+  io.IfAny("subject_de", cause.subject_german);
+  io.IfAny("correction_de", cause.correction_german);
 }
 
 template <typename Io>

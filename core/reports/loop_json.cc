@@ -18,11 +18,6 @@ const char* const* WordsOf(PartKind) {
   return kWords;
 }
 
-const char* const* WordsOf(CauseKind) {
-  static constexpr const char* kWords[] = {"instrument", "nominal", "not-repeatable", nullptr};
-  return kWords;
-}
-
 const char* const* WordsOf(HeldBackKind) {
   static constexpr const char* kWords[] = {"uncertain", "undecided", "no-gain", "hidden", nullptr};
   return kWords;
@@ -51,16 +46,6 @@ void Members(Io& io, base::Like<Io, Effect> effect) {
   io.Member("evidence", effect.evidence);
   io.Member("equivalent", effect.equivalent);
   io.Member("same_always", effect.same_always);
-}
-
-template <typename Io>
-void Members(Io& io, base::Like<Io, Cause> cause) {
-  io.Required("kind", cause.kind);
-  io.Required("subject", cause.subject);
-  io.Member("evidence", cause.evidence);
-  io.Member("correction", cause.correction);
-  io.IfAny("subject_de", cause.subject_german);
-  io.IfAny("correction_de", cause.correction_german);
 }
 
 template <typename Io>

@@ -30,6 +30,10 @@ Rewrite ARewrite() {
                                    .blocks_not_reached = 1,
                                    .not_reached = {{7, "N70 X1", "the axes cannot"}}};
   report.passed = {{3, "N30 G0 X\"\t", "G91"}};
+  report.blocks.going_back = 1;
+  report.ways_back = {{3, "G01 X-5.0 Z1.0", 3200.0 * kThird}};
+  report.calibration_warnings = {{WarningKind::kSize, "EZ0T at 3145 um"}};
+  report.calibration_causes = {{CauseKind::kNominal, "Z of tool_tip_mm", 1e6 * kThird, "add 3.1 mm"}};
   report.ranges_not_corrected = 1;
   report.not_corrected = {{3, 5, "G91"}};
   report.notes = {"line 4: tool change", "not UTF-8: \xff"};
@@ -44,8 +48,16 @@ Table ATable() {
   report.tool_tip_mm = {0.0, -0.0, -1070.0 * kThird};
   report.reference = {{"X_mm", 0.0}, {"C_deg", 12.5}};
   report.ranges = {{"X_mm", {-300.0, 300.0}}};
-  report.tables = {{.of = "X", .over = {"X", "Y"}, .points = {31, 2}, .from = {-300.0, 0.0}, .to = {300.0, 1.0},
-                    .by_sense = true, .unit = "um", .largest = 10.0 * kThird, .left_max = 0.1, .left_rms = 0.01}};
+  report.tables = {{.of = "X",
+                    .over = {"X", "Y"},
+                    .points = {31, 2},
+                    .from = {-300.0, 0.0},
+                    .to = {300.0, 1.0},
+                    .by_sense = true,
+                    .unit = "um",
+                    .largest = 10.0 * kThird,
+                    .left_max = 0.1,
+                    .left_rms = 0.01}};
   report.along_axes = {{10.0, 5.0}, {1.0, kThird}};
   report.within_ranges = {{11.0, 6.0}, {1.5, kThird}};
   report.not_carried = {"EBX"};
@@ -140,10 +152,8 @@ TEST(Reports, DamagedTextIsRefusedWithItsPlace) {
   EXPECT_EQ(Refusal(ReadRewrite(R"({"tool_point_error": {"before": {"count": "8"}}})")),
             "report: tool_point_error.before.count = \"8\", expected a whole number");
   EXPECT_EQ(Refusal(ReadRewrite(R"({"passed": [{"block": "N1"}]})")), "report: passed[0].line is missing");
-  EXPECT_EQ(Refusal(ReadTable(R"({"ranges": {"X_mm": 5}})")),
-            "report: ranges.X_mm = 5, expected a list of 2 values");
-  EXPECT_EQ(Refusal(ReadTable(R"({"tool_point_error": 5})")),
-            "report: tool_point_error = 5, expected an object");
+  EXPECT_EQ(Refusal(ReadTable(R"({"ranges": {"X_mm": 5}})")), "report: ranges.X_mm = 5, expected a list of 2 values");
+  EXPECT_EQ(Refusal(ReadTable(R"({"tool_point_error": 5})")), "report: tool_point_error = 5, expected an object");
   EXPECT_EQ(Refusal(ReadToolSetter("{}")), "report: reference_mm is missing");
   EXPECT_EQ(Refusal(ReadToolSetter(R"({"inserts": [{"insert": 1}, {"insert": null}]})")),
             "report: inserts[1].insert = null, expected a whole number");

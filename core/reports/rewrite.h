@@ -11,6 +11,8 @@
 #include "core/base/json_like.h"
 #include "core/base/status.h"
 #include "core/reports/axis_range.h"
+#include "core/reports/loop.h"
+#include "core/reports/warning.h"
 
 namespace axiscal::reports {
 
@@ -38,6 +40,15 @@ struct LineRange {
 
 struct Blocks {
   int64_t read = 0, corrected = 0, split = 0, inserted = 0, passed = 0, refused = 0;
+  int64_t going_back = 0;  // of `inserted`: ways back
+};
+
+// A move that was added in front of a block which is left as it is: from the corrected position to where the program
+// says that this block begins.
+struct WayBack {
+  int64_t line = 0;        // of the source, from 1: the block that it stands in front of
+  std::string block = {};  // as it was added
+  double way_um = 0.0;     // of all linear axes together
 };
 
 // Where the tool's direction was corrected too.
@@ -92,6 +103,9 @@ struct NoteKind {
 
 struct Rewrite {
   std::string calibration = {};
+  // What its own report warns of, and what that says is no error of the machine: the correction may be wrong by it.
+  std::vector<Warning> calibration_warnings = {};
+  std::vector<Cause> calibration_causes = {};
   std::string dialect = {};      // as which the program was read
   bool null_correction = false;  // the output is the input, byte for byte
   Blocks blocks = {};
@@ -109,6 +123,7 @@ struct Rewrite {
   double max_departure_um = 0.0;
   std::vector<AxisRange> positions = {};  // of each axis, at the ends of what was corrected; empty: nothing was
   std::vector<Finding> passed = {}, refused = {};  // the first of each
+  std::vector<WayBack> ways_back = {};             // the first of them; blocks.going_back is their number
   int64_t ranges_not_corrected = 0;
   std::vector<LineRange> not_corrected = {};  // the first of them; none of a null correction, which corrects nothing
   std::vector<std::string> notes = {};

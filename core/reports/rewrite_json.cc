@@ -1,5 +1,9 @@
+#include <algorithm>
+
+#include "core/reports/fitted_json.h"
 #include "core/reports/report_json.h"
 #include "core/reports/rewrite.h"
+#include "core/reports/warning_kinds.h"
 
 namespace axiscal::reports {
 
@@ -45,6 +49,14 @@ void Members(Io& io, base::Like<Io, Blocks> blocks) {
   io.Member("inserted", blocks.inserted);
   io.Member("passed", blocks.passed);
   io.Member("refused", blocks.refused);
+  io.Member("going_back", blocks.going_back);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, WayBack> way) {
+  io.Required("line", way.line);
+  io.Member("block", way.block);
+  io.Member("way_um", way.way_um);
 }
 
 template <typename Io>
@@ -97,6 +109,8 @@ void Members(Io& io, base::Like<Io, Stretch> stretch) {
 template <typename Io>
 void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("calibration", report.calibration);
+  io.IfAny("calibration_warnings", report.calibration_warnings);
+  io.IfAny("calibration_causes", report.calibration_causes);
   io.Member("dialect", report.dialect);
   io.Member("null_correction", report.null_correction);
   io.Member("blocks", report.blocks);
@@ -121,6 +135,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.IfAny("positions", report.positions);
   io.Member("passed", report.passed);
   io.Member("refused", report.refused);
+  io.IfAny("ways_back", report.ways_back);
   io.Member("ranges_not_corrected", report.ranges_not_corrected);
   io.Member("not_corrected", report.not_corrected);
   io.Member("notes", report.notes);
@@ -129,6 +144,17 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
 }
 
 std::string ToJson(const Rewrite& report) { return base::WriteMembers(report); }
+
+std::vector<std::string> KindsOf(const std::vector<Warning>& warnings, const std::vector<Cause>& causes) {
+  std::vector<std::string> kinds;
+  const auto add = [&kinds](auto kind) {
+    const char* const word = WordsOf(kind)[static_cast<int>(kind)];
+    if (std::find(kinds.begin(), kinds.end(), word) == kinds.end()) kinds.emplace_back(word);
+  };
+  for (const Warning& warning : warnings) add(warning.kind);
+  for (const Cause& cause : causes) add(cause.kind);
+  return kinds;
+}
 
 absl::StatusOr<Rewrite> ReadRewrite(const std::string& text) { return ReadReport<Rewrite>(text); }
 

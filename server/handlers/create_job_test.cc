@@ -84,6 +84,30 @@ TEST_F(CreateJobTest, WhatIsHeldIsCheckedBeforeAnythingRuns) {
   EXPECT_EQ(ListJobs(core, call, Parse<v1::ListJobsRequest>("state: JOB_STATE_QUEUED"))->jobs_size(), 1);
 }
 
+// What the calibration's own report says against it goes with every program that it corrects.
+TEST_F(CreateJobTest, ACompensationCarriesTheDoubtsOfItsCalibration) {
+  storage::NewCalibration doubtful = storage::TestCalibration(database.clock.UtcNow(), 1.0);
+  doubtful.model_json = R"({"EX0X": 0, "EZ0T": 3000})";
+  doubtful.report_json = R"({"verdict": "extended", "warnings": [{"kind": "size", "text": "EZ0T at 3145 um"}],
+    "causes": [{"kind": "nominal", "subject": "Z of tool_tip_mm", "evidence": 50, "correction": "add 3.1449 mm"}]})";
+  const auto calibration = database->CreateCalibration(doubtful);
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  records::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.calibration = calibration->id;
+  params.tool_tip_mm = {0, 0, -100};
+  const auto compensation = inputs::CompensationFor(*database, params, "params");
+  ASSERT_TRUE(compensation.ok()) << compensation.status();
+  EXPECT_EQ(compensation->options.calibration_warns, (std::vector<std::string>{"size", "nominal"}));
+  nc::RewriteReport report;
+  compensation->AddTo(&report);
+  const reports::Rewrite said = nc::ReportOf(report);
+  ASSERT_EQ(said.calibration_warnings.size(), 1u);
+  EXPECT_EQ(said.calibration_warnings[0].text, "EZ0T at 3145 um");
+  ASSERT_EQ(said.calibration_causes.size(), 1u);
+  EXPECT_EQ(said.calibration_causes[0].correction, "add 3.1449 mm");
+}
+
 // A program is read as the machine's profile says, where the request says nothing else.
 TEST_F(CreateJobTest, ACompensationTakesWhatIsOpenFromTheMachinesProfile) {
   const auto program = database->BeginProgram({"nc", "O1", {"tester", "p"}});

@@ -78,7 +78,7 @@ absl::Status RewriteProgramStream::End() {
   RETURN_IF_ERROR(rewriter_->Finish());
   if (!response_.data().empty()) RETURN_IF_ERROR(SendData());
   nc::RewriteReport report = rewriter_->report();
-  report.notes.insert(report.notes.end(), compensation_->notes.begin(), compensation_->notes.end());
+  compensation_->AddTo(&report);
   v1::RewriteProgramResult& result = *response_.mutable_result();
   result.set_size_bytes(sent_);
   result.set_crc32c(sent_crc32c_);

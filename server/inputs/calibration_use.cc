@@ -108,4 +108,11 @@ std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecor
   return notes;
 }
 
+Doubts DoubtsOf(const records::CalibrationRecord& calibration) {
+  const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
+  if (!report.ok()) return {};
+  const auto* const loop = std::get_if<reports::Loop>(&*report);
+  return {reports::FittedOf(*report).warnings, loop == nullptr ? std::vector<reports::Cause>{} : loop->causes};
+}
+
 }  // namespace axiscal::inputs

@@ -8,6 +8,8 @@
 #include "core/base/status.h"
 #include "core/machine/machine.h"
 #include "core/nc/remark.h"
+#include "core/reports/loop.h"
+#include "core/reports/warning.h"
 #include "server/storage/database.h"
 
 namespace axiscal::inputs {
@@ -29,6 +31,14 @@ absl::Status CheckTables(storage::Database& database, const records::Calibration
 // like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users
 // of the correction must know: one line for each.
 std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
+
+// What the calibration's own report says against it, which whoever corrects with it must know: its warnings, and what
+// the loop found to be no error of the machine (a tool length that is wrong). Empty where its report cannot be read.
+struct Doubts {
+  std::vector<reports::Warning> warnings;
+  std::vector<reports::Cause> causes;
+};
+Doubts DoubtsOf(const records::CalibrationRecord& calibration);
 
 }  // namespace axiscal::inputs
 

@@ -5,6 +5,7 @@
 #include "core/machine/machine_json.h"
 #include "core/machine/program_profile.h"
 #include "core/nc/stated_options.h"
+#include "core/reports/warning_kinds.h"
 #include "proto/convert/field.h"
 #include "server/inputs/calibration_use.h"
 #include "server/inputs/job_inputs.h"
@@ -40,6 +41,12 @@ absl::StatusOr<Filled> WithProfile(const records::MachineRecord& record, const r
 
 }  // namespace
 
+void Compensation::AddTo(nc::RewriteReport* report) const {
+  report->notes.insert(report->notes.end(), notes.begin(), notes.end());
+  report->calibration_warnings = doubts.warnings;
+  report->calibration_causes = doubts.causes;
+}
+
 absl::Status CheckProfile(storage::Database& database, const records::CompensateParams& params,
                           const std::string& field) {
   ASSIGN_OR_RETURN(const records::MachineRecord record, database.GetMachine(params.machine));
@@ -62,9 +69,11 @@ absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const 
   options.machine = params.machine.text();
   options.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
   std::vector<nc::Remark> notes = NotesOnInseparableErrors(calibration);
+  Doubts doubts = DoubtsOf(calibration);
+  options.calibration_warns = reports::KindsOf(doubts.warnings, doubts.causes);
   if (!filled.of_profile.empty()) notes.push_back({"profile", "of the machine's profile: " + filled.of_profile});
-  return Compensation{std::move(calibration), std::move(compensator), std::move(options), std::move(notes),
-                      record.revision};
+  return Compensation{std::move(calibration), std::move(compensator), std::move(options),
+                      std::move(notes),       std::move(doubts),      record.revision};
 }
 
 }  // namespace axiscal::inputs

@@ -8,7 +8,9 @@
 #include "core/compensate/compensator.h"
 #include "core/nc/options.h"
 #include "core/nc/remark.h"
+#include "core/nc/report.h"
 #include "proto/convert/job_params.h"
+#include "server/inputs/calibration_use.h"
 #include "server/storage/database.h"
 
 namespace axiscal::inputs {
@@ -18,7 +20,11 @@ struct Compensation {
   compensate::Compensator compensator;
   nc::RewriteOptions options;     // with the calibration's name for the mark
   std::vector<nc::Remark> notes;  // for the report: what the calibration cannot tell apart, what the profile said
-  int64_t machine_revision = 0;   // that said it
+  Doubts doubts;                  // likewise
+  int64_t machine_revision = 0;   // whose profile it was
+
+  // Adds what a report of a rewriting with this must say of the calibration and the profile.
+  void AddTo(nc::RewriteReport* report) const;
 };
 
 // OK if the profile of the machine and what the params leave open go together. NOT_FOUND MACHINE_NOT_FOUND;

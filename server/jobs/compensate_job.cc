@@ -51,6 +51,13 @@ class ProgramWriter {
   int64_t offset_ = 0;
 };
 
+// "part.nc" becomes "part-compensated.nc": where both lie in one folder nobody takes one for the other.
+std::string CompensatedName(const std::string& name) {
+  const size_t dot = name.rfind('.');
+  const size_t stem = dot == std::string::npos || dot == 0 ? name.size() : dot;
+  return name.substr(0, stem) + "-compensated" + name.substr(stem);
+}
+
 absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, const records::JobRecord& job,
                                                   JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
@@ -62,9 +69,10 @@ absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, c
 
   // Attempts of one job that use the same calibration and profile write the same program.
   const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number(),
-                                              "-revision-", compensation.machine_revision);
+                                              "-revision-", compensation.machine_revision, "-compensated");
   ASSIGN_OR_RETURN(ProgramWriter writer,
-                   ProgramWriter::Create(database, {kCompensatedProgram, source.name, {job.created_by, request_id}}));
+                   ProgramWriter::Create(
+                       database, {kCompensatedProgram, CompensatedName(source.name), {job.created_by, request_id}}));
 
   // The engine reads the program twice: for its checksum, then to rewrite it.
   const double total_bytes = 2.0 * static_cast<double>(std::max<int64_t>(1, source.byte_count));
@@ -82,7 +90,7 @@ absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, c
   RETURN_IF_ERROR(nc::RewriteProgram(
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensation.compensator,
       compensation.options, &report));
-  report.notes.insert(report.notes.end(), compensation.notes.begin(), compensation.notes.end());
+  compensation.AddTo(&report);
   ASSIGN_OR_RETURN(const records::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = reports::ToJson(nc::ReportOf(report));
