@@ -35,8 +35,8 @@ export interface Foretold {
   high: number;
 }
 
-// Half of what "Sept. 26" is wide, in units of the picture.
-const kHalfLabel = 28;
+// Half of what "Sept. 2026" and "30 Sept, 14:05" are wide, in units of the picture.
+const kHalfLabel = 34, kHalfLabelOfHours = 48;
 const kMostTimes = 7;
 // First days of months, where the reader is: each month, or each second, third ... as many as there is room for; `areYears`: Januaries.
 export function calendarTicks(from: Date, to: Date): { months: Date[]; areYears: boolean } {
@@ -79,7 +79,7 @@ export function TimeLine(props: {
   toUs: bigint;
   limits?: [number, number];
 }) {
-  const height = 216, top = 10, bottom = 42;
+  const height = 232, top = 10, bottom = 58;
   const from = Number(props.fromUs), span = Math.max(1, Number(props.toUs - props.fromUs));
   const x = (us: bigint) => kLeft + ((Number(us) - from) / span) * (kWidth - kLeft - kRight);
   const foretold = props.foretold.filter((f) => f.us >= props.fromUs && f.us <= props.toUs);
@@ -90,17 +90,19 @@ export function TimeLine(props: {
   high += room;
   const y = (value: number) => top + ((high - value) / (high - low)) * (height - top - bottom);
   const kDayUs = 86400e6;
-  const days = span < 90 * kDayUs;
+  const days = span < 90 * kDayUs, hours = span < 4 * kDayUs;
   const { months, areYears } = calendarTicks(dateOf(props.fromUs), dateOf(props.toUs));
-  const format = new Intl.DateTimeFormat(
-    language.value === "de" ? "de-DE" : "en-GB",
-    days ? { day: "numeric", month: "short" } : areYears ? { year: "numeric" } : { month: "short", year: "2-digit" },
-  );
+  const formatOf = (options: Intl.DateTimeFormatOptions) => new Intl.DateTimeFormat(language.value === "de" ? "de-DE" : "en-GB", options);
+  const daily = formatOf(hours ? { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" } : { day: "numeric", month: "short" });
+  const yearly = formatOf({ year: "numeric" }), monthly = formatOf({ month: "short" }), first = formatOf({ month: "short", year: "numeric" });
+  // The year stands with the first month and with each January: "May 26" could be a day.
+  const tickText = (us: bigint, i: number) => (days ? daily : areYears ? yearly : i === 0 || dateOf(us).getMonth() === 0 ? first : monthly).format(dateOf(us));
+  const half = hours ? kHalfLabelOfHours : kHalfLabel;
   const marks = days
     ? [0, 1, 2, 3, 4, 5].map((i) => props.fromUs + BigInt(Math.round((span * i) / 5)))
     : months.map((month) => BigInt(month.getTime()) * 1000n);
   // At the edges a label stands inside.
-  const side = (us: bigint) => (x(us) < kLeft + kHalfLabel ? "" : x(us) > kWidth - kRight - kHalfLabel ? "end" : "middle");
+  const side = (us: bigint) => (x(us) < kLeft + half ? "" : x(us) > kWidth - kRight - half ? "end" : "middle");
   return (
     <svg class="chart" viewBox={`0 0 ${kWidth} ${height}`} role="group" aria-label={props.title}>
       {props.bands.map((band) => (
@@ -139,11 +141,11 @@ export function TimeLine(props: {
           </g>
         ))}
       {props.limits?.map((value) => <line class="limit" x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />)}
-      {marks.map((us) => (
+      {marks.map((us, i) => (
         <>
           <line class="axis time-tick" x1={x(us)} x2={x(us)} y1={height - 28} y2={height - 24} />
           <text class={`tick ${side(us)}`} x={x(us)} y={height - 6}>
-            {format.format(dateOf(us))}
+            {tickText(us, i)}
           </text>
         </>
       ))}
@@ -158,7 +160,7 @@ export function TimeLine(props: {
         .filter((event) => event.us >= props.fromUs && event.us <= props.toUs)
         .map((event) => (
           <a href={event.href} aria-label={event.label}>
-            <path class="event-mark" d={`M${x(event.us)} ${height - bottom - 16}l6 7l-6 7l-6 -7z`}>
+            <path class="event-mark" d={`M${x(event.us)} ${height - bottom + 14}l6 7l-6 7l-6 -7z`}>
               <title>{event.label}</title>
             </path>
           </a>

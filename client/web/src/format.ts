@@ -56,6 +56,15 @@ export function unitText(unit: EstimateUnit | string): string {
   return name.replace(/^um$/, "µm").replace(/^urad$/, "µrad").replace(/^deg$/, "°");
 }
 
+// Units and signs of the server's own sentences, which are ASCII, as people write them: "-50 .. 50 um" is "-50 … 50 µm". Prose alone: names,
+// files and code stay as they are.
+export function proseText(text: string): string {
+  return text
+    .replace(/(?<![\w-])(um|urad)(?![\w-])/g, (name) => unitText(name))
+    .replaceAll(" +- ", " ± ")
+    .replaceAll(" .. ", " … ");
+}
+
 // Of microseconds since 1970; they fit a double until the year 2255.
 export function dateOf(us: bigint): Date {
   return new Date(Number(us / 1000n));

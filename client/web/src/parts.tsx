@@ -4,7 +4,7 @@ import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { problemOf, Refusal, type Loaded, type Problem } from "./api";
 import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
 import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
-import { countText, csv, numberText, save } from "./format";
+import { countText, csv, numberText, proseText, save } from "./format";
 import type { Said } from "./german";
 import { errorsIn, isoWords } from "./iso";
 import { refusalSaid } from "./refusals";
@@ -13,7 +13,8 @@ import { language, t } from "./text";
 // The server writes English: on a German page that is a quotation, beside what the page says of it.
 export function Server(props: { text: string }) {
   if (props.text === "") return null;
-  return language.value === "de" ? <q lang="en">{props.text}</q> : <span lang="en">{props.text}</span>;
+  const text = proseText(props.text);
+  return language.value === "de" ? <q lang="en">{text}</q> : <span lang="en">{text}</span>;
 }
 
 // What the page says, and the server's own words behind it, both in sight.
@@ -469,9 +470,12 @@ export function FormDialog(props: {
   const [problem, setProblem] = useState<Problem>();
   const send = async (event: SubmitEvent) => {
     event.preventDefault();
+    const form = event.currentTarget as HTMLFormElement;
     try {
-      await props.onSend(new FormData(event.currentTarget as HTMLFormElement));
+      await props.onSend(new FormData(form));
     } catch (error) {
+      // What is missing is filled in at once.
+      [...form.elements].find((one) => one instanceof HTMLInputElement && one.required && one.value.trim() === "" && (one.focus(), true));
       return setProblem(problemOf(error));
     }
     props.onClose();

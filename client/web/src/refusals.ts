@@ -29,6 +29,7 @@ const kReasons: Record<string, string> = {
   MARK_INVALID: "Die Zeit liegt in der Zukunft oder vor 1970.",
   NAME_INVALID: "So kann ein Benutzer oder eine Gruppe nicht heißen.",
   TOOL_TIP_INVALID: "Der Werkzeugpunkt liegt auf der falschen Seite: hat Z das richtige Vorzeichen?",
+  PROGRAM_NOT_TEXT: "Das ist kein NC-Programm: die Datei ist kein Text.",
   JOB_INVALID: kClient,
   CALIBRATION_INVALID: "Die Kalibrierung enthält etwas, was keine Zahl ist oder doppelt steht.",
   PART_INVALID: kClient,

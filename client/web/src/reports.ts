@@ -27,6 +27,14 @@ export interface BoxError {
   low_um: number;
   high_um: number;
 }
+export interface Cause {
+  kind: string;
+  subject: string;
+  evidence: number;
+  correction: string;
+  subject_de?: string; // of a report of an earlier version: none
+  correction_de?: string;
+}
 export interface LoopReport {
   verdict: "adequate" | "extended" | "unexplained";
   coverage_factor?: number;
@@ -41,7 +49,7 @@ export interface LoopReport {
     equivalent?: { name: string }[];
     same_always?: (string | { name: string })[];
   }[];
-  causes?: { kind: string; subject: string; evidence: number; correction: string; subject_de?: string; correction_de?: string }[];
+  causes?: Cause[];
   held_back?: { kind: string; subject: string; evidence: number; harm: number; measure: string }[];
   fit: { before: Fit; after: Fit };
   check?: { before?: Fit; after?: Fit; fitted?: boolean };
@@ -93,8 +101,12 @@ export interface PathStretch {
 }
 export interface CompensationReport {
   calibration: string;
+  calibration_warnings?: Warning[];
+  calibration_causes?: Cause[];
   null_correction: boolean;
-  blocks: { read: number; corrected: number; split: number; passed: number; refused: number };
+  blocks: { read: number; corrected: number; split: number; passed: number; refused: number; going_back?: number };
+  ways_back?: { line: number; block: string; way_um: number }[];
+  passed?: { line: number; block: string; reason: string }[];
   correction: Record<string, Peak>;
   tool_point_error?: { before: Peak; after: Peak };
   not_corrected: { first: number; last: number; reason: string }[];
@@ -106,6 +118,11 @@ export interface CompensationReport {
   notes: string[];
   note_kinds?: { kind: string; line?: number | null }[]; // of each of them
 }
+
+// Whether a person must read more of it than that it was made.
+export const isDoubtful = (report: CompensationReport): boolean =>
+  report.null_correction ||
+  [report.calibration_warnings, report.calibration_causes, report.not_corrected, report.ways_back].some((list) => (list ?? []).length > 0);
 
 export function nameOf(one: string | { name: string }): string {
   return typeof one === "string" ? one : one.name;

@@ -1,12 +1,17 @@
 // One calibration: what was found, how sure, what cannot be told apart; tables of it; and the decision to use it.
 import { useState } from "preact/hooks";
-import { calibrations, epoch, jsonOf, problemOf, tables, useLoad, type Problem, Refusal } from "../api";
+import { calibrations, epoch, history, jsonOf, problemOf, tables, useLoad, type Problem, Refusal } from "../api";
 import { Intervals } from "../charts";
 import { countText, dayText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CalibrationPicture, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
-import { formatSaid, formatTitle, germanOf } from "../german";
+import { DriftFindingKind, type DriftFinding } from "../gen/axiscal/v1/history_service_pb";
+import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
+import { jumpWords, suspectWords } from "../certainty";
+import { isNew, listEvents } from "../events";
+import { eventSaid, findingSaid, formatSaid, formatTitle, germanOf } from "../german";
+import { kindText } from "./events";
 import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport, Warning } from "../reports";
 import type { TableFormat } from "../gen/axiscal/v1/tables_service_pb";
@@ -20,15 +25,37 @@ const kMaxReasonBytes = 200;
 interface CalibrationData {
   it: Calibration;
   inUse?: Calibration; // of the same machine
+  heard: Heard;
+}
+
+// What whoever decides about it must know: events that stand and name it, jumps that it was measured after, and that the history doubts it.
+interface Heard {
+  events: Event[];
+  doubts: DriftFinding[];
+}
+async function heardOf(it: Calibration): Promise<Heard> {
+  const measured = it.provenance?.measuredUtcUs ?? 0n;
+  const [standing, drift] = await Promise.all([
+    listEvents(it.machineId, true),
+    history.findDrift({ machineId: it.machineId, countsCandidates: true }),
+  ]);
+  const named = standing.rows.filter((one) => one.calibrationId === it.calibrationId);
+  const isTold = named.some((one) => one.kind === EventKind.SUSPECT);
+  const jumps = standing.rows.filter((one) => one.kind === EventKind.STEP && one.toUtcUs !== undefined && measured >= one.toUtcUs && !named.includes(one));
+  return {
+    events: [...named, ...jumps],
+    doubts: drift.findings.filter((one) => one.kind === DriftFindingKind.SUSPECT && !one.isOver && !isTold && one.atUtcUs === measured),
+  };
 }
 
 async function load(id: bigint): Promise<CalibrationData> {
   const it = (await calibrations.getCalibration({ calibrationId: id })).calibration!;
+  const heard = heardOf(it);
   try {
     const inUse = await calibrations.getCalibration({ approvedOfMachineId: it.machineId });
-    return { it, inUse: inUse.calibration };
+    return { it, inUse: inUse.calibration, heard: await heard };
   } catch (error) {
-    if (problemOf(error).reason === "CALIBRATION_NOT_FOUND") return { it };
+    if (problemOf(error).reason === "CALIBRATION_NOT_FOUND") return { it, heard: await heard };
     throw error;
   }
 }
@@ -275,10 +302,36 @@ function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: (
   );
 }
 
+function HeardOf(props: { of: Heard }) {
+  const { events, doubts } = props.of;
+  if (events.length + doubts.length === 0) return null;
+  return (
+    <section>
+      <h2>{t("heardTitle")}</h2>
+      <ul class="findings">
+        {doubts.map((one) => (
+          <li class="now">
+            <Worded said={findingSaid(one)} text={one.text} /> <ErrorWords text={one.text} />
+            <p class="muted">{suspectWords(one.certainty)}</p>
+          </li>
+        ))}
+        {events.map((event) => (
+          <li class={isNew(event) ? "now" : ""}>
+            <strong>{kindText(event)}</strong>: <Worded said={eventSaid(event)} text={event.text} /> <ErrorWords text={event.text} />
+            {event.kind === EventKind.STEP && jumpWords(event.amounts, event.certainty) && <p class="muted">{jumpWords(event.amounts, event.certainty)}</p>}
+            {event.kind === EventKind.SUSPECT && <p class="muted">{suspectWords(event.certainty)}</p>}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
 function Decide(props: { data: CalibrationData }) {
-  const { it, inUse } = props.data;
+  const { it, inUse, heard } = props.data;
   const [asked, setAsked] = useState<"approve" | "retire">();
   const [note, setNote] = useState("");
+  const [done, setDone] = useState<{ text: string; reason: string; left: number }>();
   if (!may(Role.APPROVER, it.machineId)) return <p class="muted no-print">{t("approverOnly")}</p>;
   const decide = async (form: FormData) => {
     const reason = fieldOf(form, "reason");
@@ -288,6 +341,8 @@ function Decide(props: { data: CalibrationData }) {
     try {
       if (asked === "approve") await calibrations.approveCalibration(request);
       else await calibrations.retireCalibration(request);
+      const left = await listEvents(it.machineId, true).then(({ rows }) => rows.filter(isNew).length, () => 0);
+      setDone({ text: t(asked === "approve" ? "approveDone" : "retireDone", { n: it.calibrationId }), reason, left });
     } catch (error) {
       if (problemOf(error).reason !== "ETAG_MISMATCH") throw error;
       setNote(t("changedMeanwhile"));
@@ -303,6 +358,20 @@ function Decide(props: { data: CalibrationData }) {
           {note}
         </p>
       )}
+      <div role="status">
+        {done && (
+          <div class="box good">
+            <p>
+              {done.text} <q>{done.reason}</q>
+            </p>
+            {done.left > 0 && (
+              <p>
+                {t("approveNext", { n: countText(done.left) })} <a href={`#/events/${encodeURIComponent(it.machineId)}`}>{t("eventsOf", { machine: it.machineId })}</a>
+              </p>
+            )}
+          </div>
+        )}
+      </div>
       <p class="buttons">
         {!isInUse && (
           <button type="button" onClick={() => setAsked("approve")}>
@@ -312,6 +381,11 @@ function Decide(props: { data: CalibrationData }) {
         {it.state !== CalibrationState.RETIRED && (
           <button type="button" class="quiet" onClick={() => setAsked("retire")}>
             {t(isInUse ? "retire" : "giveUp")}
+          </button>
+        )}
+        {inUse && !isInUse && (
+          <button type="button" class="quiet" onClick={() => document.getElementById("differences")?.scrollIntoView()}>
+            {t("toDifferences")}
           </button>
         )}
       </p>
@@ -328,6 +402,7 @@ function Decide(props: { data: CalibrationData }) {
                     : t("approveEffectFirst")
                   : t(isInUse ? "retireEffect" : "giveUpEffect")}
               </p>
+              {asked === "approve" && <HeardOf of={heard} />}
               {asked === "approve" && inUse && <Differences it={it} inUse={inUse} />}
             </>
           }
@@ -423,10 +498,10 @@ function MakeTable(props: { it: Calibration }) {
   );
 }
 
-// "0 0 -350" -> three numbers.
+// "0 0 -350" -> three numbers; to a German reader "0 0 -356,3945" is three, too.
 export function tipOf(text: string): number[] | undefined {
   const words = text.trim().split(/[\s;]+/);
-  const numbers = words.map(Number);
+  const numbers = words.map((word) => Number(language.value === "de" ? word.replace(/^([+-]?\d+),(\d+)$/, "$1.$2") : word));
   return words.length === 3 && words.every((w) => w !== "") && numbers.every(Number.isFinite) ? numbers : undefined;
 }
 
@@ -530,6 +605,7 @@ export function CalibrationPage(props: { id: bigint }) {
                 <a href={`#/loops/${it.calibrationId}`}>{t("loopLink")}</a>
               </p>
             )}
+            <HeardOf of={data.heard} />
             <Warnings list={report.warnings} />
             <Found it={it} coverage={report.coverage_factor ?? kNormal95} readings={readings} />
             <NotSeparable it={it} loop={loop} />
@@ -558,7 +634,7 @@ export function CalibrationPage(props: { id: bigint }) {
               )}
             </section>
             <Pictures id={it.calibrationId} />
-            <section>
+            <section id="differences">
               <h2>{t("differences")}</h2>
               <Differences it={it} inUse={data.inUse} onPlaced={() => setPlaced(it.calibrationId)} />
             </section>

@@ -1,6 +1,7 @@
 // What people should hear of, as it happens: of one machine or of all; who has seen it, and what is on the shelf.
 import { useState } from "preact/hooks";
 import { events, problemOf, type Problem, Refusal } from "../api";
+import { jumpWords, suspectWords } from "../certainty";
 import { isNew, isOpen, isShelved, useEvents } from "../events";
 import { certaintyText, dayText, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
@@ -119,7 +120,8 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
       </p>
       {isOpen(event) && event.advice && (
         <p>
-          {t("todo")}: {adviceSaid(event) ?? <Server text={event.advice} />}
+          {t("todo")}: {adviceSaid(event) ?? <Server text={event.advice} />}{" "}
+          {event.kind === EventKind.STEP && mayAct && <a href={`#/machines/${encodeURIComponent(event.machineId)}`}>{t("sayItThere")}</a>}
         </p>
       )}
       <ul class="plain">
@@ -129,7 +131,13 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
             {unitText(a.unit)}
           </li>
         ))}
-        {event.certainty !== undefined && <li>{t("certainty", { n: certaintyText(event.certainty) })}</li>}
+        {event.certainty !== undefined && (
+          <li>
+            {t("certainty", { n: certaintyText(event.certainty) })}
+            {event.kind === EventKind.STEP && ` ${jumpWords(event.amounts, event.certainty)}`}
+            {event.kind === EventKind.SUSPECT && ` ${suspectWords(event.certainty)}`}
+          </li>
+        )}
         {event.calibrationId !== undefined && (
           <li>
             <a href={`#/calibrations/${event.calibrationId}`}>{t("calibrationN", { n: event.calibrationId })}</a>

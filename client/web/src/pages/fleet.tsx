@@ -86,6 +86,26 @@ function saidOf(of: MachineCare, events: Event[]): Said | undefined {
   return (event && eventSaid(event)) ?? standingSaid(finding);
 }
 
+// What nobody has seen yet beside the finding: an error that is out of its tolerance is certain, a jump may not be.
+function AlsoNew(props: { of: MachineCare; told: string; events: Event[] }) {
+  const { newestEvent, newEvents } = props.of;
+  const event = props.events.find((one) => one.text === newestEvent);
+  const isOther = newestEvent !== "" && newestEvent !== props.told;
+  // The newest is told above, or here.
+  const rest = Number(newEvents) - 1;
+  if (!isOther && rest < 1) return null;
+  return (
+    <p>
+      {isOther && (
+        <>
+          {t("whyAlso")} <Worded said={event && eventSaid(event)} text={newestEvent} />{" "}
+        </>
+      )}
+      {rest > 0 && t("whyMore", { n: countText(rest) })}
+    </p>
+  );
+}
+
 // `isWall`: nothing can be chosen there.
 export function Why(props: { of: MachineCare; events?: Event[]; isWall?: boolean }) {
   const { care, findings, newestEvent, inUse, waiting, isFollowed } = props.of;
@@ -95,6 +115,7 @@ export function Why(props: { of: MachineCare; events?: Event[]; isWall?: boolean
     return (
       <>
         <Worded said={saidOf(props.of, props.events ?? [])} text={text} isShort={props.isWall} /> <ErrorWords text={text} />
+        {findings.length > 0 && !props.isWall && <AlsoNew of={props.of} told={text} events={props.events ?? []} />}
         {findings.length === 0 && <p>{t(props.isWall ? "whyNewsWall" : "whyNews")}</p>}
         {waiting > 0n && <p>{t(!inUse ? "whyFirst" : props.isWall ? "whyWaits" : "whyWaitsToo", { n })}</p>}
       </>
@@ -142,7 +163,7 @@ function FleetRow(props: { of: MachineCare; events?: Event[]; isNews: boolean })
         <td class="whole" data-head={t("inUse")}>
           {inUse ? (
             <>
-              <a href={`#/calibrations/${inUse.calibrationId}`}>{t("versionN", { n: inUse.version })}</a>
+              <a href={`#/calibrations/${inUse.calibrationId}`}>{t("calibrationN", { n: inUse.calibrationId })}</a>
               <br />
               <small>{dayText(inUse.measuredUtcUs)}</small>
             </>
@@ -233,7 +254,7 @@ function FleetTable(props: { fleet: Fleet }) {
           </button>
         </form>
         {/* Its place is kept: what comes while one reads moves nothing. */}
-        <button type="button" class="quiet" disabled={!isStale} onClick={order}>
+        <button type="button" class="quiet" disabled={!isStale} title={isStale ? undefined : t("orderIsNow")} onClick={order}>
           {t("fleetOrder")}
         </button>
       </div>

@@ -3,10 +3,10 @@ import { useEffect, useState } from "preact/hooks";
 import { epoch, isConnected, isSeen, jobs, jsonOf, problemOf, useLoad, type Problem } from "../api";
 import { numberText, save, secondsText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
-import { JobState, type Job } from "../gen/axiscal/v1/job_pb";
+import { JobState, ProgramUnit, type CompensateParams, type Job } from "../gen/axiscal/v1/job_pb";
 import { Empty, Fact, ProblemBox, Quoted, Server, Show, Table, Title } from "../parts";
 import { refusalSaid } from "../refusals";
-import type { CompensationReport } from "../reports";
+import { isDoubtful, type CompensationReport } from "../reports";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
 import { Outcome } from "./outcome";
@@ -30,8 +30,10 @@ function stageText(job: Job): string {
   return tMaybe(`stage_${stage.replaceAll(" ", "-")}`) ?? stage;
 }
 
-export function JobMark(props: { job: Job }) {
+// `report`: of a compensation, where the page has it.
+export function JobMark(props: { job: Job; report?: CompensationReport }) {
   const { state } = props.job;
+  if (state === JobState.SUCCEEDED && props.report && isDoubtful(props.report)) return <span class="mark wait">{t("jobDoubtful")}</span>;
   const kind = state === JobState.SUCCEEDED ? "good" : state === JobState.FAILED || state === JobState.DEAD ? "bad" : hasEnded(props.job) ? "old" : "wait";
   return <span class={`mark ${kind}`}>{tMaybe(`job_${state}`) ?? state}</span>;
 }
@@ -86,7 +88,7 @@ export function JobsPage() {
                       <a href={`#/machines/${encodeURIComponent(machineOf(job))}`}>{machineOf(job)}</a>
                     </td>
                     <td data-head={t("priority")}>{priorityText(job.priority)}</td>
-                    <td class="whole">
+                    <td class={job.error ? "text" : "whole"}>
                       {job.error ? (
                         <Quoted said={refusalSaid(job.error)} text={job.error.message} />
                       ) : (
@@ -166,8 +168,37 @@ export function JobProgressBar(props: { job: Job }) {
   );
 }
 
+// Of a compensation that has ended well.
+export const compensationOf = (job?: Job): CompensationReport | undefined =>
+  job?.params?.kind.case === "compensate" ? jsonOf<CompensationReport>(job.result?.reportJson ?? "") : undefined;
+
+// What a compensation was asked to do.
+function Asked(props: { params: CompensateParams; report?: CompensationReport }) {
+  const { params, report } = props;
+  return (
+    <>
+      <Fact name={t("program")}>
+        <a href={`v1/programs/${params.programId}`} download>
+          {t("programN", { n: params.programId })}
+        </a>
+      </Fact>
+      <Fact name={t("calibration")}>
+        {params.calibrationId === undefined ? (report?.calibration ?? t("calibrationInUse")) : <a href={`#/calibrations/${params.calibrationId}`}>{t("calibrationN", { n: params.calibrationId })}</a>}
+      </Fact>
+      {params.toolTipMm.length > 0 && <Fact name={t("tipShort")}>{params.toolTipMm.map((mm) => numberText(mm, 9)).join("; ")} mm</Fact>}
+      {params.options?.dialect && <Fact name={t("dialect")}>{params.options.dialect}</Fact>}
+      {params.options && (
+        <Fact name={t("programUnit")}>
+          {t(params.options.unit === ProgramUnit.MILLIMETRE ? "mm" : params.options.unit === ProgramUnit.INCH ? "inch" : "unitOfProgram")}
+        </Fact>
+      )}
+    </>
+  );
+}
+
 export function JobPage(props: { id: bigint }) {
   const { job, problem } = useJob(props.id);
+  const report = compensationOf(job);
   const [refused, setRefused] = useState<Problem>();
   const act = async (what: () => Promise<unknown>) => {
     setRefused(undefined);
@@ -180,11 +211,10 @@ export function JobPage(props: { id: bigint }) {
   };
   return (
     <>
-      <Title text={t("jobN", { n: props.id })}>{job && <JobMark job={job} />}</Title>
+      <Title text={t("jobN", { n: props.id })}>{job && <JobMark job={job} report={report} />}</Title>
       <Show of={{ data: job, problem: job ? undefined : problem }} rows={5}>
         {(it) => {
           const mayRun = may(Role.TECHNICIAN, machineOf(it));
-          const report = it.params?.kind.case === "compensate" ? jsonOf<CompensationReport>(it.result?.reportJson ?? "") : undefined;
           return (
             <>
               <p class="lead">
@@ -209,6 +239,7 @@ export function JobPage(props: { id: bigint }) {
               <dl class="facts">
                 <Fact name={t("created")}>{timeText(it.createdUtcUs)}</Fact>
                 <Fact name={t("by")}>{it.createdBy}</Fact>
+                {it.params?.kind.case === "compensate" && <Asked params={it.params.kind.value} report={report} />}
                 <Fact name={t("took")}>
                   {it.startedUtcUs !== undefined && it.finishedUtcUs !== undefined ? secondsText(it.finishedUtcUs - it.startedUtcUs) : "–"}
                 </Fact>

@@ -3,9 +3,10 @@ import { create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
 import { all, calibrations, createJob, epoch, events, history, ingest, machines, problemOf, useLoad, type Problem, Refusal } from "../api";
 import { known, open } from "../care";
-import { countText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "../format";
+import { jumpWords, suspectWords } from "../certainty";
+import { countText, dayText, numberText, proseText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type LimitForecast, type Mark } from "../gen/axiscal/v1/history_service_pb";
+import { DriftFindingKind, MarkKind, type DriftAmount, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type LimitForecast, type Mark } from "../gen/axiscal/v1/history_service_pb";
 import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
 import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
@@ -13,14 +14,14 @@ import { isNew, isOpen, isShelved, listEvents } from "../events";
 import { EventKind, type Event, type GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type EventMark, type TimePoint } from "../charts";
 import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
-import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
+import { Asking, Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
 import { eventSaid, findingSaid, limitSaid } from "../german";
 import { isoWords } from "../iso";
 import { refusalSaid } from "../refusals";
 import { may } from "../session";
 import { kindText } from "./events";
 import { Priority } from "./jobs";
-import { t, tMaybe } from "../text";
+import { language, t, tMaybe } from "../text";
 
 const kMostCalibrations = 2000;
 const kMostSessions = 300;
@@ -70,6 +71,12 @@ async function loadMachine(machineId: string): Promise<MachineData> {
   };
 }
 
+function CertaintyWords(props: { kind: DriftFindingKind; amounts: DriftAmount[]; certainty?: number }) {
+  const { kind, amounts, certainty } = props;
+  const words = kind === DriftFindingKind.STEP ? jumpWords(amounts, certainty) : kind === DriftFindingKind.SUSPECT ? suspectWords(certainty) : "";
+  return words === "" ? null : <p class="muted">{words}</p>;
+}
+
 function Findings(props: { data: MachineData }) {
   const { data } = props;
   const { inUse } = known(data.list);
@@ -82,6 +89,7 @@ function Findings(props: { data: MachineData }) {
         {[...data.drift.findings].reverse().map((finding) => (
           <li class={finding.isOver ? "over" : now.includes(finding) ? "now" : ""}>
             <Worded said={findingSaid(finding)} text={finding.text} /> <ErrorWords text={finding.text} />{" "}
+            {now.includes(finding) && <CertaintyWords kind={finding.kind} amounts={finding.amounts} certainty={finding.certainty} />}
             {finding.isOver && <span class="mark old">{t("over")}</span>}
             {now.includes(finding) && inUse && <span class="mark bad">{t("since")}</span>}
           </li>
@@ -125,7 +133,7 @@ function OpenEvents(props: { data: MachineData; machineId: string }) {
 function bandsOf(findings: DriftFinding[], symbol: string): Band[] {
   return findings
     .filter((f) => f.kind === DriftFindingKind.STEP && f.afterUtcUs && f.byUtcUs && f.amounts.some((a) => a.symbol === symbol))
-    .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: findingSaid(f)?.text ?? f.text }));
+    .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: findingSaid(f)?.text ?? proseText(f.text) }));
 }
 
 // Events about an error, each at the calibration that shows it; several of one time are one. Steps are bands already.
@@ -135,7 +143,7 @@ function eventsOf(data: MachineData, symbol: string, machineId: string): EventMa
   for (const event of data.events) {
     if (event.kind === EventKind.STEP || !(event.subject === symbol || event.amounts.some((one) => one.symbol === symbol))) continue;
     const us = (event.calibrationId === undefined ? undefined : measured.get(event.calibrationId)) ?? event.raisedUtcUs;
-    found.set(us, [...(found.get(us) ?? []), `${kindText(event)}: ${eventSaid(event)?.text ?? event.text}${isOpen(event) ? "" : ` (${t("eventCleared")})`}`]);
+    found.set(us, [...(found.get(us) ?? []), `${kindText(event)}: ${eventSaid(event)?.text ?? proseText(event.text)}${isOpen(event) ? "" : ` (${t("eventCleared")})`}`]);
   }
   const href = `#/events/${encodeURIComponent(machineId)}`;
   return [...found].map(([us, texts]) => ({ us, label: `${dayText(us)}, ${texts.join("; ")}`, href }));
@@ -199,10 +207,10 @@ function Due(props: { data: MachineData; machineId: string }) {
   const { expectations, etag } = props.data.expected;
   const mayAct = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
   const now = BigInt(Date.now()) * 1000n;
-  const rows: { what: string; last?: bigint; due?: bigint }[] = (expectations?.sessions ?? []).map((one) => {
+  const rows: { what: string; isNamed?: boolean; last?: bigint; due?: bigint }[] = (expectations?.sessions ?? []).map((one) => {
     const times = props.data.sessions.filter((s) => s.name === one.name).map((s) => s.measuredUtcUs ?? s.createdUtcUs);
     const last = times.reduce<bigint | undefined>((newest, us) => (newest === undefined || us > newest ? us : newest), undefined);
-    return { what: t("dueSession", { name: one.name, n: countText(one.everyHours) }), last, due: last === undefined ? undefined : last + BigInt(one.everyHours) * kHourUs };
+    return { what: t("dueSession", { name: one.name, n: countText(one.everyHours) }), isNamed: true, last, due: last === undefined ? undefined : last + BigInt(one.everyHours) * kHourUs };
   });
   if (expectations?.calibrationDays !== undefined) {
     const last = known(props.data.list).inUse?.provenance?.measuredUtcUs;
@@ -212,6 +220,7 @@ function Due(props: { data: MachineData; machineId: string }) {
       due: last === undefined ? undefined : last + BigInt(expectations.calibrationDays) * kDayUs,
     });
   }
+  const unitOf = (symbol: string) => unitText(props.data.series.find((one) => one.symbol === symbol)?.unit ?? "");
   rows.sort((a, b) => ((a.due ?? 0n) < (b.due ?? 0n) ? -1 : 1));
   return (
     <section>
@@ -225,7 +234,7 @@ function Due(props: { data: MachineData; machineId: string }) {
               <th scope="row" class="text">
                 {row.what}
               </th>
-              <td>{row.last === undefined ? t("never") : timeText(row.last)}</td>
+              <td>{row.last !== undefined ? timeText(row.last) : t(row.isNamed ? "neverNamed" : "never")}</td>
               <td>{row.due === undefined ? "–" : timeText(row.due)}</td>
               <td>
                 {row.due === undefined || row.due < now ? <span class="mark bad">{t("isDue")}</span> : <span class="mark good">{t("notYetDue")}</span>}
@@ -237,7 +246,7 @@ function Due(props: { data: MachineData; machineId: string }) {
       {expectations && expectations.tolerances.length > 0 && (
         <p>
           {t("tolerances")}:{" "}
-          {expectations.tolerances.map((one) => `${one.symbol} ${numberText(one.low, 6)} … ${numberText(one.high, 6)}`).join("; ")}
+          {expectations.tolerances.map((one) => `${one.symbol} ${numberText(one.low, 6)} … ${numberText(one.high, 6)} ${unitOf(one.symbol)}`.trim()).join("; ")}
         </p>
       )}
       {mayAct && !props.data.isDeleted && (
@@ -253,7 +262,7 @@ function Due(props: { data: MachineData; machineId: string }) {
 }
 
 const figureText = (figures?: VolumetricFigures) =>
-  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}, ${numberText(figures.rms.highUm)}]`;
+  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}${language.value === "de" ? ";" : ","} ${numberText(figures.rms.highUm)}]`;
 
 // How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for. `onPlaced`: it
 // is as high now as it will be, so that what stands below may be shown.
@@ -397,7 +406,6 @@ const kMarkKinds = [MarkKind.COLLISION, MarkKind.SERVICE, MarkKind.REFIXTURING];
 function Marks(props: { data: MachineData; machineId: string }) {
   // The request's number while it is asked: sent again after an answer that was lost, it is the same mark.
   const [isAsked, setAsked] = useState("");
-  const [problem, setProblem] = useState<Problem>();
   const mayAct = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
   const marks = [...props.data.drift.marks].reverse();
   const put = async (form: FormData) => {
@@ -414,13 +422,8 @@ function Marks(props: { data: MachineData; machineId: string }) {
     epoch.value++;
   };
   const withdraw = async (mark: Mark) => {
-    try {
-      setProblem(undefined);
-      await history.withdrawMark({ markId: mark.markId });
-      epoch.value++;
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
+    await history.withdrawMark({ markId: mark.markId });
+    epoch.value++;
   };
   const symbols = props.data.series.map((s) => s.symbol);
   return (
@@ -440,16 +443,18 @@ function Marks(props: { data: MachineData; machineId: string }) {
               <td>{mark.createdBy}</td>
               {mayAct && (
                 <td>
-                  <button type="button" class="quiet" aria-label={`${t("withdraw")}: ${mark.note}`} onClick={() => void withdraw(mark)}>
-                    {t("withdraw")}
-                  </button>
+                  <Asking
+                    text={t("withdraw")}
+                    of={mark.note}
+                    effect={t("withdrawEffect", { by: mark.createdBy, time: timeText(mark.createdUtcUs) })}
+                    onSure={() => withdraw(mark)}
+                  />
                 </td>
               )}
             </tr>
           ))}
         </Table>
       )}
-      {problem && <ProblemBox problem={problem} />}
       {mayAct && !props.data.isDeleted && (
         <p class="buttons">
           <button type="button" class="quiet" onClick={() => setAsked(crypto.randomUUID())}>
@@ -489,6 +494,12 @@ function Marks(props: { data: MachineData; machineId: string }) {
       )}
     </section>
   );
+}
+
+// Drawn with the error as long as no other limits are asked for.
+function toleranceOf(data: MachineData, symbol: string): [number, number] | undefined {
+  const found = data.expected.expectations?.tolerances.find((one) => one.symbol === symbol);
+  return found && [found.low, found.high];
 }
 
 const kForecastDays = [0, 90, 365, 1826];
@@ -607,7 +618,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
                 foretold={later.map((p) => ({ us: p.atUtcUs, value: p.value, low: p.low, high: p.high }))}
                 fromUs={from}
                 toUs={to}
-                limits={props.limits.get(series.symbol)}
+                limits={props.limits.get(series.symbol) ?? toleranceOf(data, series.symbol)}
               />
             </Figure>
           );
@@ -868,7 +879,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
 }
 
 // What tells a good one from another: "residual 1.5 → 0.29 µm".
-function residualText({ statistics: s }: Calibration): string {
+export function residualText({ statistics: s }: Calibration): string {
   if (s?.rmsBeforeUm === undefined || s.rmsAfterUm === undefined) return "";
   return t("residualOf", { before: numberText(s.rmsBeforeUm), after: numberText(s.rmsAfterUm) });
 }
@@ -908,7 +919,7 @@ export function MachinePage(props: { machineId: string }) {
                         .join(", ")})`}
                     </>
                   ))}
-                  . {t("howToDecide")}
+                  . {t(may(Role.APPROVER, props.machineId) ? "howToDecide" : "howToSee")}
                 </p>
               )}
               <section>

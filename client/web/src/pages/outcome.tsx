@@ -2,9 +2,9 @@
 import { useState } from "preact/hooks";
 import { PathChart } from "../charts";
 import { countText, numberText } from "../format";
-import { noteSaid } from "../german";
-import { Figure, Server, Table, Worded } from "../parts";
-import type { CompensationReport, PathStretch } from "../reports";
+import { germanOf, noteSaid, todoSaid } from "../german";
+import { ErrorWords, Figure, Quoted, Server, Table, Worded } from "../parts";
+import type { Cause, CompensationReport, PathStretch, Warning } from "../reports";
 import { t, tMaybe } from "../text";
 
 function linesText(first: number, last: number): string {
@@ -115,10 +115,65 @@ function Missing(props: { option: string }) {
   );
 }
 
+// What the calibration's own report says against it: where one chooses it, and of what was corrected with it.
+export function Doubts(props: { warnings?: Warning[]; causes?: Cause[] }) {
+  const { warnings = [], causes = [] } = props;
+  if (warnings.length === 0 && causes.length === 0) return null;
+  return (
+    <section class="box bad doubts">
+      <h3>{t("doubtsTitle")}</h3>
+      <ul class="findings">
+        {warnings.map((one) => (
+          <li>
+            <Worded said={germanOf(one.text_de)} text={one.text} /> <ErrorWords text={one.text} />
+          </li>
+        ))}
+        {causes.map((one) => (
+          <li>
+            {t("noMachineError")}: <Worded said={germanOf(one.subject_de)} text={one.subject} />
+            <br />
+            {germanOf(one.correction_de) ? (
+              <Worded said={germanOf(one.correction_de)} text={one.correction} />
+            ) : (
+              <Quoted said={todoSaid(one.kind) ?? `${t("todo")}:`} text={one.correction} />
+            )}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+// Moves that nobody programmed.
+function WaysBack(props: { report: CompensationReport }) {
+  const list = props.report.ways_back ?? [], all = props.report.blocks.going_back ?? list.length;
+  if (list.length === 0) return null;
+  return (
+    <section>
+      <h3>{t("waysBack")}</h3>
+      <p>{t("waysBackHelp")}</p>
+      <Table label={t("waysBack")} head={[t("beforeLine"), t("block"), t("wayUm")]} numbers={[2]}>
+        {list.map((one) => (
+          <tr>
+            <th scope="row">{one.line}</th>
+            <td class="text">
+              <code>{one.block}</code>
+            </td>
+            <td class="number">{numberText(one.way_um, 4)}</td>
+          </tr>
+        ))}
+      </Table>
+      {all > list.length && <p>{t("shownOf", { n: countText(list.length), all: countText(all) })}</p>}
+    </section>
+  );
+}
+
 export function Outcome(props: { report: CompensationReport; programId?: bigint }) {
   const { report } = props;
   const left = report.not_corrected ?? [];
   const path = report.path ?? [];
+  // Codes, dwells, tool changes.
+  const moveless = report.blocks.read - report.blocks.corrected - report.blocks.passed - report.blocks.refused;
   return (
     <section>
       <h2>{t("outcome")}</h2>
@@ -130,7 +185,11 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
         </p>
       )}
       {report.null_correction && <p class="box bad">{t("nullCorrection")}</p>}
-      <p class="lead">{t("blocks", report.blocks)}</p>
+      <Doubts warnings={report.calibration_warnings} causes={report.calibration_causes} />
+      <p class="lead">
+        {t("blocks", report.blocks)}
+        {moveless > 0 && !report.null_correction && `; ${t("blocksMoveless", { n: countText(moveless) })}`}
+      </p>
       <Table label={t("outcome")} head={[t("what"), t("maxUm"), t("rmsUm")]} numbers={[1, 2]}>
         {Object.entries(report.correction ?? {}).map(([axis, peak]) => (
           <tr>
@@ -149,6 +208,7 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
           ))}
       </Table>
       <Blocks title={t("refusedLines")} help={t("refusedHelp")} list={report.refused ?? []} all={report.blocks.refused} />
+      <WaysBack report={report} />
       {path.length > 0 && <AlongPath path={path} />}
       <h3>{t("leftLines")}</h3>
       {left.length === 0 ? (
@@ -162,6 +222,15 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
                 <th scope="row">{linesText(range.first, range.last)}</th>
                 <td class="text">
                   <Server text={range.reason} />
+                  {/* A range has the reason of its first block. */}
+                  {(report.passed ?? [])
+                    .filter((one) => one.line > range.first && one.line <= range.last && one.reason !== range.reason)
+                    .map((one) => (
+                      <>
+                        <br />
+                        {t("line")} {one.line}: <Server text={one.reason} />
+                      </>
+                    ))}
                 </td>
               </tr>
             ))}

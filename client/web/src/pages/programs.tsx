@@ -8,12 +8,13 @@ import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal
 import { CompensateParamsSchema, JobState, OnUnsupported, ProgramUnit, RewriteOptionsSchema } from "../gen/axiscal/v1/job_pb";
 import type { Program } from "../gen/axiscal/v1/program_pb";
 import { DropZone, Empty, ProblemBox, Show, Table, Title } from "../parts";
-import type { CompensationReport } from "../reports";
+import type { LoopReport } from "../reports";
 import { may } from "../session";
 import { t } from "../text";
 import { tipOf } from "./calibration";
-import { hasEnded, JobMark, JobProgressBar, useJob } from "./jobs";
-import { Outcome } from "./outcome";
+import { compensationOf, hasEnded, JobMark, JobProgressBar, useJob } from "./jobs";
+import { residualText } from "./machine";
+import { Doubts, Outcome } from "./outcome";
 
 const kDialects = ["fanuc", "mazak", "haas", "linuxcnc", "sinumerik", "heidenhain"];
 const kMostMachines = 5000;
@@ -29,7 +30,8 @@ interface Profile {
 
 interface Chosen {
   id: bigint;
-  name: string;
+  name: string; // as the person's file is called
+  storedAs?: string; // the same content was stored before, under this other name
 }
 
 export async function putProgram(file: File): Promise<Chosen | Problem> {
@@ -37,14 +39,15 @@ export async function putProgram(file: File): Promise<Chosen | Problem> {
     const response = await watchedFetch(`v1/programs/${encodeURIComponent(file.name)}`, { method: "POST", body: file });
     if (!response.ok) return await refusalOf(response);
     const program = (await response.json()) as { programId: string; name: string };
-    return { id: BigInt(program.programId), name: program.name };
+    return { id: BigInt(program.programId), name: file.name, storedAs: program.name === file.name ? undefined : program.name };
   } catch {
     return { text: t("notSent"), reason: "", isConnection: true, isOwn: true };
   }
 }
 
+// Of several of one day what they left of the readings tells which is which.
 const nameOf = (c: Calibration) =>
-  t("calibrationN", { n: c.calibrationId }) + (c.provenance ? `, ${t("measuredOn", { day: dayText(c.provenance.measuredUtcUs) })}` : "");
+  [t("calibrationN", { n: c.calibrationId }), c.provenance && t("measuredOn", { day: dayText(c.provenance.measuredUtcUs) }), residualText(c)].filter(Boolean).join(", ");
 
 // The field of the form that a refusal is about, by its reason (proto/README.md).
 const kFieldOf: Record<string, { label: "programUnit" | "maxCorrection" | "tip" | "tablesOff"; name: string }> = {
@@ -55,12 +58,12 @@ const kFieldOf: Record<string, { label: "programUnit" | "maxCorrection" | "tip" 
 };
 const goToField = (name: string) => document.querySelector<HTMLElement>(`main form [name=${name}]`)?.focus();
 
-// Of about what size corrections will be.
-function LargestError(props: { of: Calibration }) {
+// Of about what size corrections will be; nobody is told to allow an error that is none of the machine.
+function LargestError(props: { of: Calibration; isDoubtful: boolean }) {
   const lengths = props.of.estimates.filter((one) => one.unit === EstimateUnit.UM && one.value !== undefined);
   if (lengths.length === 0) return null;
   const most = lengths.reduce((a, b) => (Math.abs(b.value!) > Math.abs(a.value!) ? b : a));
-  return <>{t("largestError", { name: most.symbol, n: numberText(Math.abs(most.value!), 4) })}</>;
+  return <>{t(props.isDoubtful ? "largestErrorDoubtful" : "largestError", { name: most.symbol, n: numberText(Math.abs(most.value!), 4) })}</>;
 }
 
 const kMostSessions = 12; // whose tool points are named
@@ -81,15 +84,20 @@ function MeasuredTips(props: { of: Calibration }) {
 }
 
 // How the program is to be read. Nothing is taken for granted that a program need not say: it is asked, unless the machine's description says it.
-function Reading(props: { profile?: Profile; basis?: Calibration }) {
-  const { profile, basis } = props;
+function Reading(props: { profile?: Profile; basis?: Calibration; isTipWrong: boolean; onTip: () => void }) {
+  const { profile, basis, isTipWrong } = props;
   return (
     <>
       {profile && <p class="muted">{t("fromProfile")}</p>}
       <label>
         {t("tip")}
-        <input name="tip" required autocomplete="off" placeholder="0 0 -350" defaultValue={profile?.tool_tip ?? ""} aria-describedby="tip-help" />
+        <input name="tip" required autocomplete="off" placeholder="0 0 -350" defaultValue={profile?.tool_tip ?? ""} aria-describedby={isTipWrong ? "tip-wrong tip-help" : "tip-help"} aria-invalid={isTipWrong} onInput={props.onTip} />
       </label>
+      {isTipWrong && (
+        <p id="tip-wrong" class="box bad" role="alert">
+          {t("tipWrong")}
+        </p>
+      )}
       <p id="tip-help" class="muted help">
         {t("tipHelp")} {basis && <MeasuredTips of={basis} />}
       </p>
@@ -128,8 +136,14 @@ function Compensate(props: { chosen: Chosen }) {
   const [machineId, setMachine] = useState("");
   const [calibration, setCalibration] = useState("");
   const [problem, setProblem] = useState<Problem>();
+  const [isTipWrong, setTipWrong] = useState(false);
   const [jobId, setJob] = useState<bigint>();
   const { job, problem: lost } = useJob(jobId);
+  // What was made of another machine or calibration is no answer to what the form asks now.
+  const forget = () => {
+    setJob(undefined);
+    setProblem(undefined);
+  };
   // What it made stands in the list below, too.
   const isDone = job?.state === JobState.SUCCEEDED;
   useEffect(() => {
@@ -151,12 +165,17 @@ function Compensate(props: { chosen: Chosen }) {
   const inUse = versions.data?.find((c) => c.state === CalibrationState.APPROVED);
   const isNoneInUse = chosenMachine !== "" && versions.data !== undefined && inUse === undefined;
   const basis = calibration === "" ? inUse : versions.data?.find((c) => String(c.calibrationId) === calibration);
+  const own = useLoad(`doubts ${basis?.calibrationId}`, async () =>
+    basis === undefined ? undefined : jsonOf<Partial<LoopReport>>((await calibrations.getCalibration({ calibrationId: basis.calibrationId })).calibration?.reportJson ?? ""),
+  ).data;
+  const isBasisDoubtful = (own?.warnings ?? []).length + (own?.causes ?? []).length > 0;
   const run = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
     const tip = tipOf(String(form.get("tip")));
     setProblem(undefined);
-    if (tip === undefined) return setProblem({ text: t("tipWrong"), reason: "", isConnection: false, isOwn: true });
+    setTipWrong(tip === undefined);
+    if (tip === undefined) return goToField("tip");
     const limit = String(form.get("limit"));
     try {
       setJob(
@@ -182,7 +201,8 @@ function Compensate(props: { chosen: Chosen }) {
     }
   };
   const field = kFieldOf[(problem ?? job?.error)?.reason ?? ""];
-  const report = isDone ? jsonOf<CompensationReport>(job.result?.reportJson ?? "") : undefined;
+  const report = isDone ? compensationOf(job) : undefined;
+  const wasRefused = (problem ?? job?.error)?.reason === "PROGRAM_REFUSED";
   return (
     <section>
       <h2>{t("compensateTitle")}</h2>
@@ -191,6 +211,7 @@ function Compensate(props: { chosen: Chosen }) {
           <form class="form" onSubmit={run}>
             <p>
               <strong>{t("chosenProgram", { n: props.chosen.id, name: props.chosen.name })}</strong>
+              {props.chosen.storedAs && ` ${t("storedBefore", { name: props.chosen.storedAs })}`}
             </p>
             <label>
               {t("machine")}
@@ -200,6 +221,7 @@ function Compensate(props: { chosen: Chosen }) {
                 onChange={(event) => {
                   setMachine(event.currentTarget.value);
                   setCalibration("");
+                  forget();
                 }}
               >
                 {found.rows.length !== 1 && <option value="">{t("pleaseChoose")}</option>}
@@ -210,7 +232,7 @@ function Compensate(props: { chosen: Chosen }) {
             </label>
             <label>
               {t("calibration")}
-              <select required={isNoneInUse} value={calibration} onChange={(event) => setCalibration(event.currentTarget.value)}>
+              <select required={isNoneInUse} value={calibration} onChange={(event) => (setCalibration(event.currentTarget.value), forget())}>
                 <option value="">{inUse ? `${t("calibrationInUse")}: ${nameOf(inUse)}` : t(isNoneInUse ? "pleaseChoose" : "calibrationInUse")}</option>
                 {(versions.data ?? [])
                   .filter((c) => c.state === CalibrationState.CANDIDATE)
@@ -227,17 +249,21 @@ function Compensate(props: { chosen: Chosen }) {
                 <a href={`#/machines/${encodeURIComponent(chosenMachine)}`}>{t("toMachine", { machine: chosenMachine })}</a>
               </p>
             )}
-            <Reading key={profile ? chosenMachine : ""} profile={profile} basis={basis} />
+            <Doubts warnings={own?.warnings} causes={own?.causes} />
+            <Reading key={profile ? chosenMachine : ""} profile={profile} basis={basis} isTipWrong={isTipWrong} onTip={() => setTipWrong(false)} />
             <label>
               {t("maxCorrection")}
               <input name="limit" type="number" min="1" step="any" required defaultValue={String(kMaxCorrectionUm)} aria-describedby="limit-help" />
             </label>
             <p id="limit-help" class="muted help">
-              {t("maxCorrectionHelp")} {basis && <LargestError of={basis} />}
+              {t("maxCorrectionHelp")} {basis && <LargestError of={basis} isDoubtful={isBasisDoubtful} />}
             </p>
             <label class="check">
-              <input name="tablesOff" type="checkbox" /> {t("tablesOff")}
+              <input name="tablesOff" type="checkbox" aria-describedby="tables-help" /> {t("tablesOff")}
             </label>
+            <p id="tables-help" class="muted help">
+              {t("tablesOffHelp")}
+            </p>
             <label class="check">
               <input name="passes" type="checkbox" aria-describedby="passes-help" /> {t("passes")}
             </label>
@@ -256,7 +282,7 @@ function Compensate(props: { chosen: Chosen }) {
       <div role="status">
         {job && (
           <p>
-            <a href={`#/jobs/${job.jobId}`}>{t("jobN", { n: job.jobId })}</a> <JobMark job={job} />
+            <a href={`#/jobs/${job.jobId}`}>{t("jobN", { n: job.jobId })}</a> <JobMark job={job} report={report} />
           </p>
         )}
         {job && !hasEnded(job) && <JobProgressBar job={job} />}
@@ -267,6 +293,14 @@ function Compensate(props: { chosen: Chosen }) {
               <button type="button" class="quiet" onClick={() => goToField(field.name)}>
                 {t("lookAt", { field: t(field.label) })}
               </button>
+            )}
+            {wasRefused && (
+              <>
+                {t("refusedHint")}{" "}
+                <button type="button" class="quiet" onClick={() => goToField("passes")}>
+                  {t("passes")}
+                </button>
+              </>
             )}
           </p>
         )}
