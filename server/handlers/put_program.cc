@@ -1,5 +1,7 @@
 #include "server/handlers/put_program.h"
 
+#include <string_view>
+
 #include "core/base/error_detail.h"
 #include "proto/convert/field.h"
 #include "proto/convert/program.h"
@@ -8,6 +10,24 @@ namespace axiscal::handlers {
 namespace {
 
 constexpr size_t kPartBytes = 1 << 20;
+
+constexpr size_t kLookedAtBytes = 1024;
+
+// Pictures, spreadsheets, texts of two bytes per character: a zero byte stands between others near their begin. In
+// front of a program and behind it zeros are the leader and trailer of a punched tape; farther on they stay as they
+// are.
+absl::Status RequireProgramText(std::string_view program) {
+  program = program.substr(0, kLookedAtBytes);
+  const size_t begin = program.find_first_not_of('\0');
+  const size_t zero = program.find('\0', begin);
+  if (begin == program.npos || zero == program.npos || program.find_first_not_of('\0', zero) == program.npos)
+    return absl::OkStatus();
+  return base::Error(absl::StatusCode::kInvalidArgument,
+                     absl::StrCat("data: byte ", zero + 1,
+                                  " is 0 and others follow, so that this is no text: an NC program is one, of one byte "
+                                  "per character (ASCII or UTF-8)"),
+                     {"PROGRAM_NOT_TEXT", {}});
+}
 
 }  // namespace
 
@@ -49,6 +69,7 @@ absl::Status PutProgramStream::Append(const std::string& bytes) {
 
 absl::Status PutProgramStream::Store(const std::string& part) {
   const int64_t offset = stored_;
+  if (offset == 0) RETURN_IF_ERROR(RequireProgramText(part));
   stored_ += static_cast<int64_t>(part.size());
   // Sent again after it was stored: what is there need not be compared, the checksum is.
   if (program_.state == records::ProgramState::kComplete) return absl::OkStatus();

@@ -1071,6 +1071,9 @@ test("a program is dropped, corrected, taken away", async () => {
   const bytes = fs.readFileSync(path.join(kExample, "fig-4.30-original.nc"));
   await page.locator("input[type=file]").setInputFiles({ name: "part.nc", mimeType: "text/plain", buffer: bytes });
   await page.getByText(/Program \d+: part\.nc \(the same content was stored before, as fig-4\.30-original\.nc\)/).waitFor();
+  // A picture is no program.
+  await page.locator("input[type=file]").setInputFiles({ name: "photo.nc", mimeType: "image/png", buffer: Buffer.from("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "latin1") });
+  await page.getByText("PROGRAM_NOT_TEXT").waitFor();
   await done();
 });
 

@@ -1,4 +1,6 @@
 // NC programs up and down, byte for byte.
+#include <gmock/gmock.h>
+
 #include <thread>
 
 #include "axiscal/v1/programs_service.grpc.pb.h"
@@ -41,6 +43,20 @@ TEST_F(Program, TwentyMegabytesComeBackByteForByte) {
   EXPECT_TRUE(*back == program);
   EXPECT_EQ(up, 20 << 20);
   EXPECT_EQ(down, 20 << 20);
+}
+
+// A picture, a spreadsheet, a text of two bytes per character, by the first bytes of each.
+TEST_F(Program, WhatIsNoTextIsRefused) {
+  using namespace std::string_literals;
+  for (const std::string& bytes : {"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"s, "PK\3\4\x14\0\6\0"s, "\xFF\xFEG\0001\0"s}) {
+    const absl::Status status = client().PutProgram("part.nc", bytes).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+    EXPECT_EQ(base::ErrorReason(status), "PROGRAM_NOT_TEXT") << status;
+  }
+  EXPECT_THAT(std::string(client().PutProgram("part.nc", "G1\0X5"s).status().message()),
+              ::testing::HasSubstr("byte 3"));
+  // Leader and trailer of a tape.
+  ASSERT_OK(client().PutProgram("tape.nc", "\0\0%\nG1 X5.\n%\0\0"s));
 }
 
 TEST_F(Program, AHalfSentOneIsDroppedByTheServer) {
