@@ -82,6 +82,7 @@ const kReasons: Record<string, string> = {
   JOB_NOT_ENDED: "Der Auftrag ist noch nicht zu Ende.",
   RUN_NOT_FAILED: "Dieser Lauf ist nicht gescheitert.",
   EVENT_CLEARED: "Dieses Ereignis ist schon vorbei.",
+  READINGS_DETACHED: "Die Messwerte dieser Messung liegen im Archiv: ein Administrator kann sie wieder anhängen.",
   PROGRAM_NOT_COMPLETE: "Das Programm ist noch nicht ganz hochgeladen.",
   SESSION_REJECTED: "Eine der Messungen wurde verworfen: ohne sie noch einmal.",
   JOB_TOO_LATE: "Die Frist dieses Auftrags ist vorbei.",
