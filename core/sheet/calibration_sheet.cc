@@ -52,8 +52,8 @@ class Writer {
                             "Zeichen nach ISO 230-1; X, Y, Z: Maschinenkoordinaten, alle Gelenke auf null");
     } else {
       sheet_.title = Say("Geometric errors of a machine tool", "Geometrische Abweichungen einer Werkzeugmaschine");
-      sheet_.subtitle = Say("symbols and terms after ISO 230-1; its text was not compared",
-                            "Zeichen und Begriffe nach ISO 230-1; ihr Text wurde nicht verglichen");
+      sheet_.subtitle = Say("symbols and terms after ISO 230-1 (assumed: not compared with its text)",
+                            "Zeichen und Begriffe nach ISO 230-1 (angenommen: nicht mit ihrem Text verglichen)");
     }
     AddFacts();
     AddErrors();
