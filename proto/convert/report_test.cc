@@ -98,7 +98,11 @@ reports::Rewrite ARewrite() {
   reports::Rewrite report;
   report.calibration = "mt v3";
   report.dialect = "haas";
-  report.blocks = {10, 8, 2, 5, 1, 1};
+  report.blocks = {10, 8, 2, 5, 1, 1, 1};
+  report.calibration_warnings = {{reports::WarningKind::kOther, "x", "y"}};
+  report.calibration_causes = {{reports::CauseKind::kNominal, "the tool", 9.0, "add"}};
+  report.ways_back = {{7, "G01 X1", 12.5}};
+  report.note_kinds = {{"profile", 7}};
   report.correction = {{"X", {10.0, 5.0, 8}}};
   report.shifts = {{"T5", "G54", 12, 41.5, 10.0, 7, {{"X", 10.0}}}};
   report.rotary_stood_deg = {{"C", 90.0}};

@@ -364,6 +364,7 @@ class Blocks:
     inserted: int = 0
     passed: int = 0
     refused: int = 0
+    going_back: int = 0  # of inserted: Rewrite.ways_back
 
 
 @dataclasses.dataclass(frozen=True)
@@ -414,8 +415,18 @@ class Stretch:
 
 
 @dataclasses.dataclass(frozen=True)
+class WayBack:
+    """A move that was added in front of a block which is left as it is."""
+    line: int  # of the source, from 1: of that block
+    block: str = ""  # as it was added
+    way_um: float = 0.0  # of all linear axes together
+
+
+@dataclasses.dataclass(frozen=True)
 class Rewrite:
     calibration: str = ""
+    calibration_warnings: Tuple[Warning, ...] = ()  # of its own report
+    calibration_causes: Tuple[Cause, ...] = ()  # the correction may be wrong by them
     dialect: str = ""
     null_correction: bool = False  # the output is the input
     blocks: Blocks = Blocks()
@@ -434,6 +445,7 @@ class Rewrite:
     positions: Tuple[AxisRange, ...] = ()  # of each axis, at the ends of what was corrected
     passed: Tuple[Finding, ...] = ()
     refused: Tuple[Finding, ...] = ()
+    ways_back: Tuple[WayBack, ...] = ()  # the first 100; blocks.going_back is their number
     ranges_not_corrected: int = 0
     not_corrected: Tuple[LineRange, ...] = ()
     notes: Tuple[str, ...] = ()
