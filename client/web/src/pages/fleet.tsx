@@ -137,7 +137,9 @@ function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; prob
         }),
   );
   if (label === "") return { isWhole: true };
-  return { ids: new Set(found.data?.rows), isWhole: found.data?.isWhole ?? true, problem: found.problem };
+  // All stay until it is known which have it.
+  const ids = found.data || found.problem ? new Set(found.data?.rows) : undefined;
+  return { ids, isWhole: found.data?.isWhole ?? true, problem: found.problem };
 }
 
 // Made anew only when something of its machine is new, not at each key in the filter. `isNews`: it needs something else now than by its place.
