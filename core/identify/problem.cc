@@ -185,8 +185,7 @@ Eigen::VectorXd SetupOf(const Problem& problem, const Point& point, size_t run) 
 size_t FirstOfSetup(const Problem& problem, size_t run) {
   const std::vector<int>& runs = problem.groups[static_cast<size_t>(problem.group_of_run[run])].runs;
   for (const int other : runs) {
-    // Offsets in common but for the scale.
-    if (problem.offsets_of_run[static_cast<size_t>(other)].front() == problem.offsets_of_run[run].front())
+    if (problem.offsets_of_run[static_cast<size_t>(other)] == problem.offsets_of_run[run])
       return static_cast<size_t>(other);
   }
   return run;

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "core/base/error_detail.h"
 #include "core/instruments/plausible.h"
+#include "core/instruments/tracker/tracker_run.h"
 #include "core/machine/machine_json.h"
 #include "core/session/check_machine.h"
 #include "core/session/header_rules.h"
@@ -43,25 +47,61 @@ std::vector<std::string> NamesOf(const std::vector<records::ColumnSpec>& columns
   return names;
 }
 
+// What the headers of a tracker are held against: the first reading of each target, and the last of all. A session may
+// have millions of readings, and a hostile one as many targets.
+class Sights {
+ public:
+  void See(const std::vector<session::Column>& columns) {
+    const session::Column *times = nullptr, *targets = nullptr;
+    for (const session::Column& column : columns) {
+      if (column.name == "t_s") times = &column;
+      if (column.name == "target") targets = &column;
+    }
+    if (targets == nullptr || targets->texts.empty()) return;
+    const std::vector<std::string>& names = targets->texts;
+    const auto time_of = [times](size_t row) {
+      return times == nullptr ? std::optional<double>() : times->values[row];
+    };
+    // Two more than headers may state: a session with so many is refused, whatever the others are.
+    constexpr size_t kMost = tracker::kMostTargets + tracker::kMostReferences + 2;
+    for (size_t row = 0; row < names.size(); ++row)
+      if (seen_.size() < kMost && seen_.insert(names[row]).second) Add(names[row], time_of(row));
+    last_ = {names.back(), time_of(names.size() - 1)};
+  }
+
+  // A session with these readings alone.
+  session::Session Take(const std::vector<session::HeaderEntry>& header) {
+    if (!seen_.empty()) Add(last_.first, last_.second);
+    session::Session session{header, {{"target", {}, std::move(names_)}}};
+    if (!times_s_.empty()) session.columns.push_back({"t_s", std::move(times_s_), {}});
+    return session;
+  }
+
+ private:
+  void Add(const std::string& name, std::optional<double> time_s) {
+    names_.push_back(name);
+    if (time_s) times_s_.push_back(*time_s);
+  }
+
+  std::set<std::string> seen_;
+  std::vector<std::string> names_;
+  std::vector<double> times_s_;
+  std::pair<std::string, std::optional<double>> last_;
+};
+
 // Headers that speak of all readings, once those are there. Only a tracker's do, by the targets that it read.
 absl::Status CheckWhole(Core& core, SessionId id, const records::SessionTotals& totals) {
   ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.GetSession(id));
-  session::Session whole{record.header, {{"t_s", {}, {}}, {"target", {}, {}}}};
-  std::vector<double>& times_s = whole.columns[0].values;
-  std::vector<std::string>& targets = whole.columns[1].texts;
   const bool has_targets = std::any_of(record.columns.begin(), record.columns.end(),
                                        [](const records::ColumnSpec& column) { return column.name == "target"; });
   if (!has_targets || record.state != records::SessionState::kOpen || record.reading_count != totals.reading_count)
     return absl::OkStatus();
+  Sights sights;
   RETURN_IF_ERROR(core.database.ReadChunks(id, 0, [&](const records::Chunk& chunk) {
-    for (const session::Column& column : chunk.columns()) {
-      if (column.name == "t_s") times_s.insert(times_s.end(), column.values.begin(), column.values.end());
-      if (column.name == "target") targets.insert(targets.end(), column.texts.begin(), column.texts.end());
-    }
+    sights.See(chunk.columns());
     return absl::OkStatus();
   }));
-  if (times_s.empty()) whole.columns.erase(whole.columns.begin());
-  return Invalid(instruments::CheckWhole(whole), "schema.header");
+  return Invalid(instruments::CheckWhole(sights.Take(record.header)), "schema.header");
 }
 
 // When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.

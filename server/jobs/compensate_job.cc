@@ -1,5 +1,8 @@
 #include "server/jobs/compensate_job.h"
 
+#include <algorithm>
+#include <string>
+
 #include "core/nc/rewrite.h"
 #include "proto/convert/job_params.h"
 #include "server/inputs/compensation.h"
@@ -53,9 +56,15 @@ class ProgramWriter {
 
 // "part.nc" becomes "part-compensated.nc": where both lie in one folder nobody takes one for the other.
 std::string CompensatedName(const std::string& name) {
-  const size_t dot = name.rfind('.');
-  const size_t stem = dot == std::string::npos || dot == 0 ? name.size() : dot;
-  return name.substr(0, stem) + "-compensated" + name.substr(stem);
+  constexpr size_t kMostBytes = 255;  // of a file's name on Linux and Windows
+  const std::string suffix = "-compensated";
+  size_t dot = name.rfind('.');
+  if (dot == std::string::npos || dot == 0 || name.size() - dot > kMostBytes / 2) dot = name.size();
+  const std::string ending = suffix + name.substr(dot);
+  size_t kept = std::min(dot, kMostBytes - ending.size());
+  const auto is_within_character = [&name](size_t at) { return at < name.size() && (name[at] & 0xC0) == 0x80; };
+  while (kept > 0 && is_within_character(kept)) --kept;  // UTF-8
+  return name.substr(0, kept) + ending;
 }
 
 absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, const records::JobRecord& job,

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
 #include "axiscal/v1/jobs_service.grpc.pb.h"
@@ -458,6 +459,18 @@ TEST_F(Job, AReportComesAsAMessageToo) {
   ASSERT_TRUE(ask(rewritten.id).ok());
   ASSERT_TRUE(response.report().has_rewrite());
   EXPECT_EQ(response.report().rewrite().blocks().corrected(), 1);
+
+  // Another name than the source's, and no longer one than file systems take.
+  const std::string umlauts = "\xC3\xBC\xC3\xBC\xC3\xBC\xC3\xBC";
+  params.program =
+      client().PutProgram(std::string(243, 'n') + umlauts + ".nc", "G90 G21\nG01 X90 Y0 Z421.9 B0 C0 F1000\n")->id;
+  ASSERT_EQ(RunJob(params).state, JobState::kSucceeded);
+  const auto kept = client().ListPrograms();
+  ASSERT_OK(kept);
+  std::set<std::string> names;
+  for (const client::ProgramRecord& one : kept->rows) names.insert(one.name);
+  EXPECT_THAT(names,
+              ::testing::IsSupersetOf({std::string("part-compensated.nc"), std::string(240, 'n') + "-compensated.nc"}));
 
   EXPECT_EQ(ask(JobId(999)).error_code(), grpc::StatusCode::NOT_FOUND);
   params.program = client().PutProgram("bad.nc", "G90 G21\nG999 X100\n")->id;

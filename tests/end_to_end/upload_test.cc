@@ -177,6 +177,7 @@ TEST_F(Upload, ABadReadingRefusesTheSessionWithItsLineAndColumn) {
 
 // Headers that speak of all readings are judged when those are there.
 TEST_F(Upload, WhatATrackersHeaderSaysOfItsReadingsIsRefusedBeforeItIsStored) {
+  std::vector<std::string> targets = {"R", "tool", "tool", "R"};
   const auto refusal = [&](const std::vector<session::HeaderEntry>& keys) {
     session::Session session;
     session.header = {{"machine", "mt"},           {"session", "T"},
@@ -187,7 +188,7 @@ TEST_F(Upload, WhatATrackersHeaderSaysOfItsReadingsIsRefusedBeforeItIsStored) {
     session.columns = {{"t_s", {0, 10, 20, 30}, {}}};
     for (const char* const name : {"X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg"})
       session.columns.push_back({name, name == std::string("X_mm") ? x_mm : zero, {}});
-    session.columns.push_back({"target", {}, {"R", "tool", "tool", "R"}});
+    session.columns.push_back({"target", {}, targets});
     session.columns.push_back({"px_mm", {900, 0, 100, 900}, {}});
     session.columns.push_back({"py_mm", {-500, 0, 0, -500}, {}});
     session.columns.push_back({"pz_mm", {100, -150, -150, 100}, {}});
@@ -200,6 +201,9 @@ TEST_F(Upload, WhatATrackersHeaderSaysOfItsReadingsIsRefusedBeforeItIsStored) {
       << refusal({{"knocked_s", "300"}});
   EXPECT_NE(refusal({{"reference S", "0 0 1"}}).find("'reference S' is of a target that no reading is of"),
             std::string::npos);
+  targets = {"R", "tool", "other", "R"};
+  EXPECT_NE(refusal({}).find("target tool, other: expected"), std::string::npos) << refusal({});
+  targets = {"R", "tool", "tool", "R"};
   const auto complete = client().ListSessions({.machine = {}, .state = records::SessionState::kComplete});
   ASSERT_OK(complete);
   EXPECT_TRUE(complete->rows.empty());

@@ -90,13 +90,15 @@ absl::Status BindTargets(const Session& session, bool is_whole, instruments::Mea
         "headers 'target NAME' and 'reference NAME' need the column target, which says "
         "of which of them each reading is");
   }
-  std::vector<std::string> unstated;  // names that no header has
+  constexpr size_t kMostNamed = kMostTargets + kMostReferences;  // no error is longer, whatever the column holds
+  std::vector<std::string> unstated;                             // names that no header has, the first of them
   for (const std::string& name : names->texts) {
     const int reference = IndexOf(targets.references, name), on_tool = IndexOf(targets.on_tool, name);
     if (reference >= 0 && on_tool >= 0)
       return absl::InvalidArgumentError(
           absl::StrCat("target '", name, "' stands in '# target' and '# reference', expected one of them"));
-    if (reference < 0 && on_tool < 0 && std::find(unstated.begin(), unstated.end(), name) == unstated.end())
+    if (reference < 0 && on_tool < 0 && unstated.size() < kMostNamed &&
+        std::find(unstated.begin(), unstated.end(), name) == unstated.end())
       unstated.push_back(name);
     targets.of_reading.push_back(reference >= 0 ? -1 - reference : std::max(on_tool, 0));
   }
