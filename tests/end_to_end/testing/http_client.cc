@@ -98,7 +98,10 @@ HttpAnswer HttpConnection::ReceiveSome(size_t body_bytes) {
 }
 
 bool HttpConnection::WaitForClose() {
-  while (impl_->Fill()) impl_->buffer.consume(impl_->buffer.size());
+  do {
+    impl_->buffer.consume(impl_->buffer.size());
+    errno = 0;  // the end of the connection sets none
+  } while (impl_->Fill());
   return errno != EAGAIN && errno != EWOULDBLOCK;
 }
 
