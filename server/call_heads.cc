@@ -4,43 +4,30 @@
 #include <grpc/slice.h>
 #include <grpcpp/security/auth_context.h>
 
+#include <algorithm>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
+#include "server/access/known_peers.h"
 #include "server/certificates.h"
 
 namespace axiscal::server {
 namespace {
 
-// What is noted of a connection. It lies in the value of one of the connection's properties and goes with it: gRPC says
-// nowhere that a connection has ended.
-struct Notes {
-  int32_t open;      // calls that wait for their message, or are of health
-  int32_t is_known;  // 1: its caller has shown who he is
-};
 constexpr char kNotesKey[] = "axiscal_notes";
 constexpr std::string_view kHealth = "/grpc.health.v1.Health/";
 
-Notes* NotesAt(const char* value, size_t size) {
-  DEMAND(size == sizeof(Notes));
-  // gRPC has it from malloc(), and no other thread changes it but as an atomic.
-  return reinterpret_cast<Notes*>(const_cast<char*>(value));
+template <typename Number>
+std::atomic_ref<Number> Shared(Number& number) {
+  return std::atomic_ref(number);
 }
-std::atomic_ref<int32_t> Open(Notes& notes) { return std::atomic_ref(notes.open); }
-std::atomic_ref<int32_t> IsKnown(Notes& notes) { return std::atomic_ref(notes.is_known); }
 
-const grpc_auth_property* Find(const grpc_auth_context* connection, const char* name) {
+const grpc_auth_property* FindProperty(const grpc_auth_context* connection, const char* name) {
   grpc_auth_property_iterator found = grpc_auth_context_find_properties_by_name(connection, name);
   return grpc_auth_property_iterator_next(&found);
-}
-
-// Null where the connection is not looked at. As long as `connection` lives.
-Notes* Find(const grpc::AuthContext* connection) {
-  if (connection == nullptr) return nullptr;
-  const std::vector<grpc::string_ref> values = connection->FindPropertyValues(kNotesKey);
-  return values.empty() ? nullptr : NotesAt(values[0].data(), values[0].size());
 }
 
 // The one value of a property of the connection, if it has one.
@@ -92,11 +79,14 @@ class HealthCall final : public grpc::experimental::Interceptor {
  public:
   explicit HealthCall(grpc::ServerContextBase* call) : call_(call) {}
   ~HealthCall() override {
-    if (Notes* const notes = Find(connection_.get())) --Open(*notes);
+    if (connection_ != nullptr) CallHeads::EndHealth(*connection_);
   }
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
     // The context has a call, and by it a connection, only after this object was made.
-    if (connection_ == nullptr) connection_ = call_->auth_context();
+    if (connection_ == nullptr) {
+      connection_ = call_->auth_context();
+      CallHeads::HearHealth(*call_);
+    }
     methods->Proceed();
   }
 
@@ -133,12 +123,101 @@ std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> CallHeads
   return std::make_unique<HealthCounterFactory>();
 }
 
+// What is noted of a connection. It lies in the value of one of the connection's properties and goes with it: gRPC says
+// nowhere that a connection has ended. But for `heads` each is changed as an atomic.
+struct CallHeads::Notes {
+  CallHeads* heads;
+  int32_t waiting = 0;   // calls whose message has not come
+  int32_t health = 0;    // calls of health whose message has come
+  int32_t is_known = 0;  // 1: its caller has shown who he is
+  int32_t is_told = 0;   // 1: in told_
+  int32_t was_none = 0;  // 1: none waited at some time since it was asked
+};
+
+CallHeads::Notes* CallHeads::NotesAt(const char* value, size_t size) {
+  DEMAND(size == sizeof(Notes));
+  // gRPC has it from malloc(), and no other thread changes it but as an atomic.
+  return reinterpret_cast<Notes*>(const_cast<char*>(value));
+}
+
+// Null where the connection is not looked at. As long as `connection` lives.
+CallHeads::Notes* CallHeads::Find(const grpc::AuthContext* connection) {
+  if (connection == nullptr) return nullptr;
+  const std::vector<grpc::string_ref> values = connection->FindPropertyValues(kNotesKey);
+  return values.empty() ? nullptr : NotesAt(values[0].data(), values[0].size());
+}
+
 void CallHeads::Hear(const grpc::ServerContextBase& call) {
-  if (Notes* const notes = Find(call.auth_context().get())) --Open(*notes);
+  const std::shared_ptr<const grpc::AuthContext> connection = call.auth_context();
+  if (Notes* const notes = Find(connection.get())) notes->heads->Hear(call, *notes, connection);
+}
+
+void CallHeads::HearHealth(const grpc::ServerContextBase& call) {
+  const std::shared_ptr<const grpc::AuthContext> connection = call.auth_context();
+  Notes* const notes = Find(connection.get());
+  if (notes == nullptr) return;
+  ++Shared(notes->health);  // first: the two together are never less than what is open
+  notes->heads->Hear(call, *notes, connection);
+}
+
+void CallHeads::EndHealth(const grpc::AuthContext& connection) {
+  if (Notes* const notes = Find(&connection)) --Shared(notes->health);
+}
+
+void CallHeads::Hear(const grpc::ServerContextBase& call, Notes& notes,
+                     const std::shared_ptr<const grpc::AuthContext>& on) {
+  if (Shared(notes.is_told) == 0) {
+    const base::MutexLock lock(mutex_);
+    if (Shared(notes.is_told).exchange(1) == 0) {
+      unheard_ -= Shared(notes.waiting);
+      told_.insert_or_assign(access::PlainPeer(call.peer()), Told{&notes, on});
+    }
+  }
+  if (--Shared(notes.waiting) == 0) Shared(notes.was_none) = 1;
 }
 
 void CallHeads::SetKnown(const grpc::ServerContextBase& call, bool is_known) {
-  if (Notes* const notes = Find(call.auth_context().get())) IsKnown(*notes) = is_known ? 1 : 0;
+  if (Notes* const notes = Find(call.auth_context().get())) Shared(notes->is_known) = is_known ? 1 : 0;
+}
+
+int64_t CallHeads::waiting() const {
+  const base::MutexLock lock(mutex_);
+  int64_t sum = unheard_;
+  for (const auto& [peer, one] : told_) sum += Shared(one.notes->waiting);
+  return sum;
+}
+
+std::optional<WaitingCalls> CallHeads::WaitingOf(const std::string& peer) {
+  const base::MutexLock lock(mutex_);
+  const auto found = told_.find(peer);
+  if (found == told_.end()) return std::nullopt;
+  Notes& notes = *found->second.notes;
+  const bool was_none = Shared(notes.was_none).exchange(0) != 0;
+  const int32_t calls = Shared(notes.waiting);
+  return WaitingCalls{calls, was_none || calls == 0};
+}
+
+size_t CallHeads::told() const {
+  const base::MutexLock lock(mutex_);
+  return told_.size();
+}
+
+void CallHeads::Forget(const std::string& peer) {
+  const base::MutexLock lock(mutex_);
+  told_.erase(peer);
+}
+
+void CallHeads::ForgetGone(const std::function<std::vector<std::string>()>& connected) {
+  std::set<std::string> gone;
+  {
+    const base::MutexLock lock(mutex_);
+    for (const auto& [peer, one] : told_) gone.insert(peer);
+  }
+  int64_t others = 0;
+  for (const std::string& peer : connected()) others += gone.erase(peer) == 0 ? 1 : 0;
+  const base::MutexLock lock(mutex_);
+  for (const std::string& peer : gone) told_.erase(peer);
+  unheard_ = std::min(unheard_, others * kMostUnheardOfOne);
 }
 
 void CallHeads::Process(void* heads, grpc_auth_context* connection, const grpc_metadata* metadata, size_t count,
@@ -149,31 +228,45 @@ void CallHeads::Process(void* heads, grpc_auth_context* connection, const grpc_m
 }
 
 absl::Status CallHeads::Look(grpc_auth_context* connection, const grpc_metadata* metadata, size_t count) {
-  const grpc_auth_property* property = nullptr;
+  Notes* notes = nullptr;
   {
     const base::MutexLock lock(mutex_);
-    property = Find(connection, kNotesKey);
+    const grpc_auth_property* property = FindProperty(connection, kNotesKey);
     if (property == nullptr) {
-      const Notes none = {0, 0};
+      const Notes none = {this};
       grpc_auth_context_add_property(connection, kNotesKey, reinterpret_cast<const char*>(&none), sizeof(none));
-      property = Find(connection, kNotesKey);
+      property = FindProperty(connection, kNotesKey);
     }
+    DEMAND(property != nullptr);
+    notes = NotesAt(property->value, property->value_length);
+    ++Shared(notes->waiting);
+    if (Shared(notes->is_told) == 0) ++unheard_;
   }
-  DEMAND(property != nullptr);
-  Notes& notes = *NotesAt(property->value, property->value_length);
-  const int32_t open = ++Open(notes);
-  if (open <= kMostOfAStranger || IsKnown(notes) != 0) return absl::OkStatus();
-  absl::Status status = identify_(CredentialsOf(connection, metadata, count));
-  if (status.ok()) {
-    IsKnown(notes) = 1;
-    return status;
-  }
-  --Open(notes);
+  absl::Status status = MayWait(*notes, connection, metadata, count);
+  if (status.ok()) return status;
   ++refused_;
-  if (!absl::IsUnauthenticated(status) || !Metadata(metadata, count, ":path").value_or("").starts_with(kHealth))
-    return status;
-  return absl::ResourceExhaustedError(absl::StrCat("a connection that has shown no identity has at most ",
-                                                   kMostOfAStranger, " calls of grpc.health.v1 at a time"));
+  const base::MutexLock lock(mutex_);
+  --Shared(notes->waiting);
+  if (Shared(notes->is_told) == 0) --unheard_;
+  return status;
+}
+
+absl::Status CallHeads::MayWait(Notes& notes, const grpc_auth_context* connection, const grpc_metadata* metadata,
+                                size_t count) {
+  if (Shared(notes.waiting) + Shared(notes.health) <= kMostOfAStranger) return absl::OkStatus();
+  if (Shared(notes.is_known) == 0) {
+    const absl::Status status = identify_(CredentialsOf(connection, metadata, count));
+    const bool is_health = Metadata(metadata, count, ":path").value_or("").starts_with(kHealth);
+    if (absl::IsUnauthenticated(status) && is_health) {
+      return absl::ResourceExhaustedError(absl::StrCat("a connection that has shown no identity has at most ",
+                                                       kMostOfAStranger, " calls of grpc.health.v1 at a time"));
+    }
+    RETURN_IF_ERROR(status);
+    Shared(notes.is_known) = 1;
+  }
+  if (Shared(notes.is_told) != 0 || Shared(notes.waiting) <= kMostUnheardOfOne) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("a connection has at most ", kMostUnheardOfOne, " calls until the message of the first has come"));
 }
 
 }  // namespace axiscal::server

@@ -170,6 +170,12 @@ std::string PeerOf(int connection) {
   return absl::StrCat("ipv6:[", host, "]:", ntohs(v6.sin6_port));
 }
 
+std::map<std::string, Traffic> ConnectionsTo(int port) {
+  std::map<std::string, Traffic> connections;
+  ForEachConnection(port, [&](int, const std::string& peer, const Traffic& traffic) { connections[peer] = traffic; });
+  return connections;
+}
+
 std::vector<std::string> PeersTo(int port) {
   std::vector<std::string> peers;
   ForEachConnection(port, [&](int, const std::string& peer, const Traffic&) { peers.push_back(peer); });
@@ -179,7 +185,11 @@ std::vector<std::string> PeersTo(int port) {
 int EndConnections(int port, const std::function<bool(const std::string& peer, const Traffic& traffic)>& ends) {
   int count = 0;
   ForEachConnection(port, [&](int descriptor, const std::string& peer, const Traffic& traffic) {
-    if (ends(peer, traffic)) count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
+    if (!ends(peer, traffic)) return;
+    // Whoever is still sending hears of it when gRPC closes the socket, and not only when the system gives it up.
+    const linger none = {.l_onoff = 1, .l_linger = 0};
+    setsockopt(descriptor, SOL_SOCKET, SO_LINGER, &none, sizeof(none));
+    count += shutdown(descriptor, SHUT_RDWR) == 0 ? 1 : 0;
   });
   return count;
 }

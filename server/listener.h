@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -33,14 +34,16 @@ absl::Status Unprotected(const std::string& address);
 // a socket without address.
 std::string PeerOf(int connection);
 
-// The peers (PeerOf) of the connections to `port` of this process.
-std::vector<std::string> PeersTo(int port);
-
 // Of a connection, in bytes.
 struct Traffic {
   int64_t brought = 0;
   int64_t untaken = 0;  // what was written to it and cannot be sent, as the other side takes nothing or not so fast
 };
+
+// The connections to `port` of this process, by their peers (PeerOf).
+std::map<std::string, Traffic> ConnectionsTo(int port);
+// The same without what came and went.
+std::vector<std::string> PeersTo(int port);
 
 // Ends the connections to `port` of this process that `ends` chooses; how many. Their calls are cancelled. `peer`:
 // PeerOf().

@@ -17,6 +17,7 @@
 #include "server/call_guard.h"
 #include "server/call_heads.h"
 #include "server/denials.h"
+#include "server/half_sent_watch.h"
 #include "server/handlers/get_metrics.h"
 #include "server/handlers/get_server_info.h"
 #include "server/housekeeper.h"
@@ -164,8 +165,7 @@ class Server::Impl {
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
       if (!listener_->is_local_only() && !options_.tls.is_set()) return Unprotected(options_.listen_address);
-      std::shared_ptr<grpc::ServerCredentials> credentials =
-          core_.gate.asks() ? heads_.PlainCredentials() : grpc::InsecureServerCredentials();
+      std::shared_ptr<grpc::ServerCredentials> credentials = heads_.PlainCredentials();
       if (options_.tls.is_set()) {
         ASSIGN_OR_RETURN(tls_, Tls::Create(options_.tls, LogTls));
         credentials = Tls::Credentials(tls_, heads_);
@@ -201,6 +201,7 @@ class Server::Impl {
     };
     if (listener_ != nullptr) StartListening();
     if (http_listener_ != nullptr) StartHttp();
+    half_sent_watch_.emplace(port_, options_.waiting_bytes, heads_, core_.told_refusals).Start();
     if (core_.gate.asks()) {
       rights_watch_.Start();
       stranger_watch_.emplace(port_, options_.strangers, core_.known, heads_, core_.told_refusals).Start();
@@ -243,6 +244,7 @@ class Server::Impl {
     housekeeper_.Stop();
     rights_watch_.Stop();
     stranger_watch_.reset();
+    half_sent_watch_.reset();
     rights_watch_.WriteDenials(true);
     Log(LogLevel::kInfo, "stopped", {});
   }
@@ -291,6 +293,7 @@ class Server::Impl {
         [this](int listening, int connection) {
           peer_users_.Connected(connection);
           core_.known.Forget(PeerOf(connection));
+          heads_.Forget(PeerOf(connection));
           grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
           parameters.listener_fd = listening;
           parameters.fd = connection;
@@ -375,6 +378,7 @@ class Server::Impl {
   bool was_ready_ = true;  // the thread's alone that looks at the store
   Rounds store_looks_;
   Denials denials_;
+  std::optional<HalfSentWatch> half_sent_watch_;
   std::optional<StrangerWatch> stranger_watch_;
   RightsWatch rights_watch_{core_, denials_, options_.ask_again};
   Housekeeper housekeeper_{*database_, options_,

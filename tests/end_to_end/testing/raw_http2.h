@@ -45,7 +45,7 @@ class RawConnection {
   bool IsClosed();
   struct HalfSent {
     int64_t bytes = 0;
-    int ended = 0;  // calls that the server has ended meanwhile
+    int ended = 0;  // calls that the server has ended meanwhile, all where it ended the connection
   };
   // Greets, and sends of each of `calls` calls, 100 at a time, the first `bytes` of a message of 4 MB, as far as the
   // server lets it; returns when that is done, or the server lets nothing more pass for a second.
