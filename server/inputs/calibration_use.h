@@ -19,7 +19,8 @@ namespace axiscal::inputs {
 absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const records::CalibrationRecord& calibration);
 
 // OK if compensation can use it: its machine as in MachineFor, and its sessions determine at least one error or
-// combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
+// combination of errors, and none that no machine has. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY,
+// CALIBRATION_NOT_PLAUSIBLE.
 absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration);
 
 // OK if the control of the calibration's machine has no table of any of its calibrations, or `are_off` says that it
