@@ -439,7 +439,8 @@ class Painter {
         if (angles.empty()) return;
         if (!is_after) absl::StrAppend(&names, names.empty() ? "" : ", ", run.session);
         for (const bool is_clockwise : {false, true}) {
-          plot::Series series = {absl::StrCat(run.session, is_clockwise ? " CW" : " CCW"), {}};
+          plot::Series series = {
+              absl::StrCat(run.session, is_clockwise ? In(" CW", " im UZS") : In(" CCW", " gegen UZS")), {}};
           for (int k = 0; k < run.reading_count(); ++k) {
             const double step =
                 k > 0 ? angles[k] - angles[k - 1] : angles[std::min<size_t>(1, angles.size() - 1)] - angles[0];

@@ -369,7 +369,7 @@ test("findings, events and warnings are worded in German from what they are", as
   await page.getByText(/^EZ0T bei 3145 µm: eine Maschine von etwa 0,7 m hat Abweichungen von höchstens 1361 µm und 2000 µrad; ist eine Werkzeuglänge/).waitFor();
   await page.getByText("die Köpfe der Messungen: der Werkzeugpunkt entlang des Werkzeugs").waitFor();
   await page.getByText(/^3,1449 ± 0,0028 mm zur Koordinate Z von "tool_tip_mm" addieren, oder das Werkzeug neu messen; sonst korrigiert EZ0T dafür$/).waitFor();
-  await page.getByText("Kreisformtest, Bahn B-radial-383").waitFor();
+  await page.getByText("Kreisformtest mit einer Rundachse, der Stab behält seine Länge B-radial-383").waitFor();
   await go("#/machines/mill-7");
   await page.getByLabel(/Kleinster Wert/).fill("-50");
   await page.getByLabel(/Größter Wert/).fill("70");
@@ -546,6 +546,7 @@ test("an approver puts a calibration in use with a reason, and back", async () =
   await dialog.getByRole("row", { name: /^EX0C/ }).getByText("differs", { exact: true }).waitFor();
   await dialog.getByText(/The tool point moves by up to [\d.]+ µm .* More than the [\d.]+ µm/).waitFor();
   await dialog.getByRole("row", { name: /^as programmed/ }).getByText(/most of it by .*EX0C/).waitFor();
+  await dialog.getByText(/as this calibration sees the machine: [\d.]+ \[.*\] µm corrected by calibration 16 as now, [\d.]+ \[.*\] µm corrected by calibration 18/).waitFor();
   await judge(page, "approve dialog");
   await page.screenshot({ path: path.join(kPictures, "approve.png") });
   await dialog.getByRole("button", { name: "Put in use" }).click();
@@ -567,6 +568,12 @@ test("an approver puts a calibration in use with a reason, and back", async () =
   // The one that the history doubts says so itself.
   await go("#/calibrations/17");
   await page.getByText(/a bad calibration or a jump/).waitFor();
+  // Two that were not in use before, side by side.
+  await go("#/calibrations/14");
+  await page.getByLabel("Compare with").selectOption("15");
+  await page.getByRole("columnheader", { name: "calibration 15" }).waitFor();
+  await page.getByText("This calibration less calibration 15.").waitFor();
+  await judge(page, "two calibrations compared");
   // The way back.
   await go("#/calibrations/16");
   await page.getByRole("button", { name: "Put back in use" }).click();
@@ -996,7 +1003,7 @@ test("a program is dropped, corrected, taken away", async () => {
     ["0 0 -150", "haas", "1"],
   );
   await page.getByRole("combobox", { name: "Machine" }).selectOption("integrex-i200");
-  await page.getByText(/The largest error in this calibration is E\w+: [\d,.]+ µm/).waitFor();
+  await page.getByText(/The largest error in this calibration is E\w+: −?[\d,.]+ µm/).waitFor();
   // What its own report says against it stands where it is chosen.
   const doubts = page.locator(".doubts");
   await doubts.getByText(/EZ0T at 3145 µm: a machine about/).waitFor();
@@ -1108,6 +1115,32 @@ test("blocks that are left as they are stand with their lines, and what would he
   await page.getByText(/Diese Kalibrierung kann Fehler nicht trennen/).first().waitFor();
   assert.deepEqual(await englishLeft(page, "a program of which blocks were left"), []);
   await judge(page, "a program of which blocks were left");
+  await done();
+});
+
+test("a cutter's radius is asked where a program needs it", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/programs");
+  const lines = ["G90 G21 G94 G17", "G00 X-350. Y0. Z-100. B0. C0.", "G41 D1 G01 X-340. F500", "G01 Y10.", "G02 X-330. Y20. I10. J0.", "G01 X-320.", "G40 G01 Y0.", "M30"];
+  await page.locator("input[type=file]").setInputFiles({ name: "compensated.nc", mimeType: "text/plain", buffer: Buffer.from(lines.join("\n") + "\n") });
+  await page.getByText(/Program \d+: compensated.nc/).waitFor();
+  await page.getByRole("combobox", { name: "Machine" }).selectOption("integrex-i200");
+  await page.getByLabel(/^Tool point/).fill("0 0 -356.3945");
+  await page.getByRole("combobox", { name: "Controller" }).selectOption("mazak");
+  await page.getByLabel("Unit of the program").selectOption("0");
+  await page.getByLabel(/^Largest correction/).fill("5000");
+  await page.getByRole("button", { name: "Compensate", exact: true }).click();
+  await page.getByText("PROGRAM_REFUSED").waitFor();
+  await page.getByText(/--tool-radius D1=/).first().waitFor();
+  const radii = page.getByLabel(/^Radii of tools/);
+  await radii.fill("D1");
+  await page.getByRole("button", { name: "Compensate", exact: true }).click();
+  await page.getByText("A number and a radius are needed").waitFor();
+  assert.equal(await page.evaluate(() => document.activeElement.name), "radii");
+  await judge(page, "a radius that is none");
+  await radii.fill("D1=5.0");
+  await page.getByRole("button", { name: "Compensate", exact: true }).click();
+  await page.getByRole("link", { name: "compensated-compensated.nc" }).first().waitFor();
   await done();
 });
 

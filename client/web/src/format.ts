@@ -1,5 +1,6 @@
 // Numbers and dates as the reader's language writes them. Values come in um and urad from the API and are not converted.
 import { EstimateUnit } from "./gen/axiscal/v1/calibration_pb";
+import type { VolumetricFigures } from "./gen/axiscal/v1/volumetric_pb";
 import { language } from "./text";
 
 // To make a format costs a hundred times what it costs to use one, so each is made once. A page of a hundred machines writes hundreds of
@@ -104,3 +105,7 @@ export function save(name: string, type: string, content: BlobPart): void {
   link.click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
+
+// "1.77 [1.6, 1.9]": a tool point's error over its box with 95 %, µm.
+export const figureText = (figures?: VolumetricFigures) =>
+  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}${language.value === "de" ? ";" : ","} ${numberText(figures.rms.highUm)}]`;

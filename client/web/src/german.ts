@@ -190,9 +190,17 @@ const kTodo: Record<string, string> = {
 export const todoSaid = (kind: string): string | undefined => (isGerman() ? kTodo[kind] : undefined);
 
 const kTests: Record<string, string> = {
-  "ballbar-pattern": "Kreisformtest, Bahn",
-  "ballbar-circle": "Kreisformtest, Kreis",
-  "rtest-grid": "R-Test über ein Gitter",
+  "ballbar-pattern": "Kreisformtest mit einer Rundachse, der Stab behält seine Länge",
+  "ballbar-turn": "Kreisformtest mit einer Rundachse, der Stab bleibt in einer Richtung",
+  "ballbar-swung-turn": "Kreisformtest mit einer Rundachse bei ausgeschwenkter anderer",
+  "ballbar-circle": "Kreisformtest mit zwei Linearachsen, gegen den und im Uhrzeigersinn",
+  "rtest-grid": "R-Test über ein Gitter der Rundachsen, hin und zurück",
+  "rtest-approach": "R-Test an wenigen Stellungen, jede von beiden Seiten angefahren",
+  "other-sense": "eine Messung rückwärts:",
+  later: "eine Messung, zwei Stunden später wiederholt:",
+  warmer: "eine Messung oder ein R-Test, wenn die Halle vier Grad wärmer ist:",
+  farther: "R-Test oder Kreisformtest über 30 Grad mehr einer Rundachse:",
+  finer: "eine Messung mit drei Messwerten statt einem:",
 };
 export const proposalSaid = (one: { test?: string; session: string | null }): Said | undefined =>
   isGerman() && one.test !== undefined && kTests[one.test] !== undefined ? { text: `${kTests[one.test]} ${one.session ?? ""}`, isWhole: false } : undefined;

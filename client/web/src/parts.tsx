@@ -176,15 +176,12 @@ export function ErrorWords(props: { text: string }) {
   return words.length === 0 ? null : <small class="error-words muted">{words.join("; ")}</small>;
 }
 
-export function StateMark(props: { state: CalibrationState }) {
-  const [kind, text] =
-    props.state === CalibrationState.APPROVED
-      ? ["good", t("approved")]
-      : props.state === CalibrationState.CANDIDATE
-        ? ["wait", t("candidate")]
-        : ["old", t("retired")];
-  return <span class={`mark ${kind}`}>{text}</span>;
-}
+const kStates: Partial<Record<CalibrationState, ["good" | "wait", "approved" | "candidate"]>> = {
+  [CalibrationState.APPROVED]: ["good", "approved"],
+  [CalibrationState.CANDIDATE]: ["wait", "candidate"],
+};
+export const stateText = (state: CalibrationState) => t(kStates[state]?.[1] ?? "retired");
+export const StateMark = (props: { state: CalibrationState }) => <span class={`mark ${kStates[props.state]?.[0] ?? "old"}`}>{stateText(props.state)}</span>;
 
 // A picture may be looked at larger: it then scrolls in its place, by keys as well.
 const kZooms = [1, 2, 4];

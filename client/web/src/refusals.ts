@@ -93,6 +93,7 @@ const kReasons: Record<string, string> = {
   CALIBRATION_NOT_APPROVED: "Dafür braucht es eine Kalibrierung in Gebrauch, oder einen ausdrücklich gewählten Kandidaten.",
   CALIBRATION_RETIRED: "Diese Kalibrierung ist zurückgezogen.",
   CALIBRATION_EMPTY: "Diese Kalibrierung enthält keinen Fehler, den ihre Messungen bestimmen.",
+  CALIBRATION_NOT_PLAUSIBLE: "Einen so großen Fehler hat keine Maschine: eine Länge, ein Radius oder eine Einheit der Messungen ist falsch.",
   MACHINE_CHANGED: "Die Achsen der Maschine wurden seither anders beschrieben: neu identifizieren.",
   PROFILE_INVALID: "Was die Maschinenbeschreibung über Programme sagt, lässt sich nicht lesen.",
   TABLE_HANDED_OUT:

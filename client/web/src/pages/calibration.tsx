@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { calibrations, epoch, history, jsonOf, problemOf, tables, useLoad, type Problem, Refusal } from "../api";
 import { Intervals } from "../charts";
-import { countText, dayText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
+import { countText, dayText, figureText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CalibrationPicture, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
@@ -12,7 +12,7 @@ import { jumpWords, suspectWords } from "../certainty";
 import { isNew, listEvents } from "../events";
 import { eventSaid, findingSaid, formatSaid, formatTitle, germanOf } from "../german";
 import { kindText } from "./events";
-import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
+import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, stateText, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport, Warning } from "../reports";
 import type { TableFormat } from "../gen/axiscal/v1/tables_service_pb";
 import { may } from "../session";
@@ -247,25 +247,68 @@ function Moves(props: { made: CompareCalibrationsResponse }) {
   );
 }
 
-// What would change for the machine: this one less the one in use, as the server compares them.
-function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: () => void }) {
-  const { it, inUse } = props;
-  const isOther = inUse !== undefined && inUse.calibrationId !== it.calibrationId;
-  const found = useLoad(`differences ${it.calibrationId} ${inUse?.calibrationId}`, async () =>
-    isOther ? calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: inUse.calibrationId }) : undefined,
-  );
-  usePlaced(!isOther || found.data !== undefined || found.problem !== undefined, props.onPlaced);
-  if (inUse === undefined) return <p>{t("differencesNone")}</p>;
-  if (!isOther) return <p>{t("differencesSelf")}</p>;
+// Whether things get better: the tool point's error over the box with the one in use and with this one, as this one sees the machine.
+function Gain(props: { of: Calibration }) {
+  const { of } = props;
+  const found = useLoad(`gain ${of.calibrationId}`, async () => (await calibrations.getVolumetricError({ calibrationId: of.calibrationId })).error);
+  const error = found.data;
+  if (!error?.before?.rms || !error.after?.rms) return null;
   return (
-    <Show of={{ data: found.data, problem: found.problem }} rows={8}>
+    <p class="lead">
+      {t("gain", { old: error.beforeCalibrationId ?? "", before: figureText(error.before), n: of.calibrationId, after: figureText(error.after) })}
+    </p>
+  );
+}
+
+const kMostCompared = 50; // the newest of the machine
+
+// What would change for the machine: this one less another one, as the server compares them; the one in use unless another is chosen.
+function Differences(props: { it: Calibration; inUse?: Calibration; mayChoose?: boolean; onPlaced?: () => void }) {
+  const { it, inUse } = props;
+  const [chosen, setChosen] = useState<bigint>();
+  const listed = useLoad(`others ${it.machineId} ${props.mayChoose}`, async () =>
+    props.mayChoose ? (await calibrations.listCalibrations({ machineId: it.machineId, pageSize: kMostCompared })).calibrations : [],
+  );
+  const others = (listed.data ?? []).filter((one) => one.calibrationId !== it.calibrationId);
+  const other = chosen ?? (inUse?.calibrationId === it.calibrationId ? undefined : inUse?.calibrationId);
+  const found = useLoad(`differences ${it.calibrationId} ${other}`, async () =>
+    other === undefined ? undefined : calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: other }),
+  );
+  // Both or none: nothing that is seen moves when the other comes.
+  const isPlaced = (listed.data !== undefined || listed.problem !== undefined) && (other === undefined || found.data !== undefined || found.problem !== undefined);
+  usePlaced(isPlaced, props.onPlaced);
+  const choice = (isPlaced || chosen !== undefined) && others.length > 0 && (
+    <p class="no-print">
+      <label>
+        {t("compareWith")}{" "}
+        <select value={String(other ?? "")} onChange={(event) => setChosen(event.currentTarget.value === "" ? undefined : BigInt(event.currentTarget.value))}>
+          {other === undefined && <option value="">{t("pleaseChoose")}</option>}
+          {others.map((one) => (
+            <option value={String(one.calibrationId)}>{[t("calibrationN", { n: one.calibrationId }), one.provenance && dayText(one.provenance.measuredUtcUs), stateText(one.state)].filter(Boolean).join(", ")}</option>
+          ))}
+        </select>
+      </label>
+    </p>
+  );
+  if (other === undefined)
+    return (
+      <>
+        <p>{t(inUse === undefined ? "differencesNone" : "differencesSelf")}</p>
+        {choice}
+      </>
+    );
+  return (
+    <>
+    {choice}
+    <Show of={isPlaced ? { data: found.data, problem: found.problem } : {}} rows={8}>
       {(made) => (
         <>
+          {other === inUse?.calibrationId && <Gain of={it} />}
           <Moves made={made} />
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
             label={t("differences")}
-            head={[t("error"), t("isClear"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint")]}
+            head={[t("error"), t("isClear"), t(other === inUse?.calibrationId ? "nowValue" : "otherValue", { n: made.withCalibrationId }), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint")]}
             numbers={[2, 3, 4, 5, 7]}
           >
             {[...made.errors, ...made.combinations].sort((a, b) => kVerdictOrder.indexOf(a.verdict) - kVerdictOrder.indexOf(b.verdict)).map((one) => (
@@ -299,6 +342,7 @@ function Differences(props: { it: Calibration; inUse?: Calibration; onPlaced?: (
         </>
       )}
     </Show>
+    </>
   );
 }
 
@@ -620,6 +664,7 @@ export function CalibrationPage(props: { id: bigint }) {
                 <Fact name={t("rankOf")}>{stats?.rank}</Fact>
                 <Fact name={t("condition")}>{stats?.condition === undefined ? "–" : numberText(stats.condition)}</Fact>
               </dl>
+              <p class="muted">{t("fitHelp")}</p>
               {report.sessions && (
                 <Table label={t("perSession")} head={[t("sessions"), t("readings"), `${t("rms")}, µm`, `${t("greatest")}, µm`]} numbers={[1, 2, 3]}>
                   {report.sessions.map((s) => (
@@ -636,7 +681,7 @@ export function CalibrationPage(props: { id: bigint }) {
             <Pictures id={it.calibrationId} />
             <section id="differences">
               <h2>{t("differences")}</h2>
-              <Differences it={it} inUse={data.inUse} onPlaced={() => setPlaced(it.calibrationId)} />
+              <Differences it={it} inUse={data.inUse} mayChoose onPlaced={() => setPlaced(it.calibrationId)} />
             </section>
             {placed === it.calibrationId && (
             <>

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { all, calibrations, createJob, epoch, events, history, ingest, machines, problemOf, useLoad, type Problem, Refusal } from "../api";
 import { known, open } from "../care";
 import { jumpWords, suspectWords } from "../certainty";
-import { countText, dayText, numberText, proseText, sigmaText, timeText, unitText, valueText } from "../format";
+import { countText, dayText, figureText, numberText, proseText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DriftFindingKind, MarkKind, type DriftAmount, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type LimitForecast, type Mark } from "../gen/axiscal/v1/history_service_pb";
 import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
@@ -13,7 +13,7 @@ import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { isNew, isOpen, isShelved, listEvents } from "../events";
 import { EventKind, type Event, type GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type EventMark, type TimePoint } from "../charts";
-import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
+import type { VolumetricError } from "../gen/axiscal/v1/volumetric_pb";
 import { Asking, Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, Server, Show, StateMark, Table, Title, Worded, fieldOf, noteOf, usePlaced } from "../parts";
 import { eventSaid, findingSaid, limitSaid } from "../german";
 import { isoWords } from "../iso";
@@ -21,7 +21,7 @@ import { refusalSaid } from "../refusals";
 import { may } from "../session";
 import { kindText } from "./events";
 import { Priority } from "./jobs";
-import { language, t, tMaybe } from "../text";
+import { t, tMaybe } from "../text";
 
 const kMostCalibrations = 2000;
 const kMostSessions = 300;
@@ -260,9 +260,6 @@ function Due(props: { data: MachineData; machineId: string }) {
     </section>
   );
 }
-
-const figureText = (figures?: VolumetricFigures) =>
-  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}${language.value === "de" ? ";" : ","} ${numberText(figures.rms.highUm)}]`;
 
 // How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for. `onPlaced`: it
 // is as high now as it will be, so that what stands below may be shown.
@@ -794,7 +791,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
       <h2>{mayRun ? t("newCalibration") : t("sessions")}</h2>
       {sessions.length === 0 ? (
         <Empty text={t("noSessions")}>
-          {may(Role.CELL, props.machineId) && <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a>}
+          {may(Role.CELL, props.machineId) ? <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a> : t("noSessionsHelp")}
         </Empty>
       ) : (
         <>
@@ -813,7 +810,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
             {listed.slice(0, most).map((s) => (
               <tr>
                 <th scope="row">{s.name}</th>
-                <td>{s.instrument}</td>
+                <td>{tMaybe(`instrument_${s.instrument}`)}</td>
                 <td class="number">{countText(s.readings)}</td>
                 <td>{dayText(s.measuredUtcUs ?? s.createdUtcUs)}</td>
                 <td>{s.createdBy}</td>
@@ -868,7 +865,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
               <button type="button" disabled={fit.length === 0} onClick={() => void run(true)}>
                 {t("closeLoop")}
               </button>
-              {may(Role.CELL, props.machineId) && <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a>}
+              {may(Role.CELL, props.machineId) ? <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a> : t("noSessionsHelp")}
             </p>
           )}
           {problem && <ProblemBox problem={problem} />}

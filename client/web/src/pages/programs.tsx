@@ -56,6 +56,17 @@ const kFieldOf: Record<string, { label: "programUnit" | "maxCorrection" | "tip" 
   TOOL_TIP_INVALID: { label: "tip", name: "tip" },
   TABLE_HANDED_OUT: { label: "tablesOff", name: "tablesOff" },
 };
+// "D1=5 T5D1=6,25" -> tool numbers and radii as ToolRadius has them; nothing where it cannot be read.
+const kToolsOwn = 10_000; // D1 of tool 5 is 50001
+function radiiOf(text: string): { number: number; radiusMm: number }[] | undefined {
+  const radii: { number: number; radiusMm: number }[] = [];
+  for (const word of text.trim().split(/[\s;]+/).filter(Boolean)) {
+    const parts = /^(?:T(\d{1,4}))?D(\d{1,4})=(\d+(?:[.,]\d+)?)$/i.exec(word);
+    if (parts === null) return undefined;
+    radii.push({ number: Number(parts[1] ?? 0) * kToolsOwn + Number(parts[2]), radiusMm: Number(parts[3].replace(",", ".")) });
+  }
+  return radii;
+}
 const goToField = (name: string) => document.querySelector<HTMLElement>(`main form [name=${name}]`)?.focus();
 
 // Of about what size corrections will be; nobody is told to allow an error that is none of the machine.
@@ -63,7 +74,7 @@ function LargestError(props: { of: Calibration; isDoubtful: boolean }) {
   const lengths = props.of.estimates.filter((one) => one.unit === EstimateUnit.UM && one.value !== undefined);
   if (lengths.length === 0) return null;
   const most = lengths.reduce((a, b) => (Math.abs(b.value!) > Math.abs(a.value!) ? b : a));
-  return <>{t(props.isDoubtful ? "largestErrorDoubtful" : "largestError", { name: most.symbol, n: numberText(Math.abs(most.value!), 4) })}</>;
+  return <>{t(props.isDoubtful ? "largestErrorDoubtful" : "largestError", { name: most.symbol, n: numberText(most.value!, 4) })}</>;
 }
 
 const kMostSessions = 12; // whose tool points are named
@@ -137,6 +148,7 @@ function Compensate(props: { chosen: Chosen }) {
   const [calibration, setCalibration] = useState("");
   const [problem, setProblem] = useState<Problem>();
   const [isTipWrong, setTipWrong] = useState(false);
+  const [isRadiiWrong, setRadiiWrong] = useState(false);
   const [jobId, setJob] = useState<bigint>();
   const { job, problem: lost } = useJob(jobId);
   // What was made of another machine or calibration is no answer to what the form asks now.
@@ -176,6 +188,9 @@ function Compensate(props: { chosen: Chosen }) {
     setProblem(undefined);
     setTipWrong(tip === undefined);
     if (tip === undefined) return goToField("tip");
+    const radii = radiiOf(String(form.get("radii")));
+    setRadiiWrong(radii === undefined);
+    if (radii === undefined) return goToField("radii");
     const limit = String(form.get("limit"));
     try {
       setJob(
@@ -190,6 +205,7 @@ function Compensate(props: { chosen: Chosen }) {
             options: create(RewriteOptionsSchema, {
               dialect: String(form.get("dialect")),
               unit: Number(form.get("unit")) as ProgramUnit,
+              toolRadii: radii,
               maxCorrectionMm: Number(limit) / 1000,
               onUnsupported: form.get("passes") === null ? OnUnsupported.REFUSE : OnUnsupported.PASS,
             }),
@@ -257,6 +273,18 @@ function Compensate(props: { chosen: Chosen }) {
             </label>
             <p id="limit-help" class="muted help">
               {t("maxCorrectionHelp")} {basis && <LargestError of={basis} isDoubtful={isBasisDoubtful} />}
+            </p>
+            <label>
+              {t("toolRadii")}
+              <input name="radii" autocomplete="off" placeholder="D1=5" aria-describedby={isRadiiWrong ? "radii-wrong radii-help" : "radii-help"} aria-invalid={isRadiiWrong} onInput={() => setRadiiWrong(false)} />
+            </label>
+            {isRadiiWrong && (
+              <p id="radii-wrong" class="box bad" role="alert">
+                {t("radiiWrong")}
+              </p>
+            )}
+            <p id="radii-help" class="muted help">
+              {t("toolRadiiHelp")}
             </p>
             <label class="check">
               <input name="tablesOff" type="checkbox" aria-describedby="tables-help" /> {t("tablesOff")}
