@@ -17,11 +17,12 @@ std::set<std::string> HalfSent::TooMuch(const std::map<std::string, Traffic>& co
   std::map<std::string, int64_t> heard;
   std::vector<std::pair<int64_t, std::string>> by_bytes;
   int64_t sum = 0;
+  const bool is_first = std::exchange(rests_, false);
   for (const auto& [peer, traffic] : connections) {
     const std::optional<WaitingCalls> waiting = waiting_of(peer);
     const auto before = heard_.find(peer);
-    const bool is_heard = before == heard_.end() || (waiting && waiting->was_none);
-    const int64_t upto = heard[peer] = is_heard ? traffic.brought : before->second;
+    const bool is_heard = is_first || (waiting && waiting->was_none);
+    const int64_t upto = heard[peer] = is_heard ? traffic.brought : before == heard_.end() ? 0 : before->second;
     int64_t bytes = traffic.brought - upto;
     // No message is longer.
     if (waiting) bytes = std::min(bytes, waiting->count * message_bytes_) + waiting->count * kHeadBytes;

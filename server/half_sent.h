@@ -29,12 +29,16 @@ class HalfSent {
   // All together may have `most_bytes`, of messages of at most `message_bytes`.
   HalfSent(int64_t most_bytes, int64_t message_bytes) : most_bytes_(most_bytes), message_bytes_(message_bytes) {}
 
-  // Of the connections that are there those that have most, until the others are within the limit. What one had brought
-  // when it was looked at first counts for nothing.
+  // Of the connections that are there those that have most, until the others are within the limit. What they had
+  // brought at the first look after Rest() counts for nothing; of a connection that comes later all counts until it is
+  // heard.
   std::set<std::string> TooMuch(const std::map<std::string, Traffic>& connections, const WaitingOf& waiting_of);
+  // So few calls wait that nobody looks for a while.
+  void Rest() { rests_ = true; }
 
  private:
   const int64_t most_bytes_, message_bytes_;
+  bool rests_ = true;
   std::map<std::string, int64_t> heard_;  // by peer: of what it has brought, what was heard
 };
 

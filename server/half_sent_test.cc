@@ -37,6 +37,19 @@ TEST_F(HalfSentTest, ThoseThatHaveMostAreEnded) {
   EXPECT_THAT(Look(), UnorderedElementsAre("a"));
 }
 
+TEST_F(HalfSentTest, OfOneThatComesAllCounts) {
+  brought_ = {{"a", {1000 * kMega}}};
+  waiting_ = {{"a", {1000}}};
+  EXPECT_THAT(Look(), IsEmpty());
+  for (const std::string peer : {"b", "c", "d"}) {
+    brought_[peer].brought = 40 * kMega;  // at once, and then nothing
+    waiting_[peer] = {10};
+  }
+  EXPECT_EQ(Look().size(), 1u);
+  half_sent_.Rest();
+  EXPECT_THAT(Look(), IsEmpty());
+}
+
 TEST_F(HalfSentTest, WhatWasHeardCountsNoLonger) {
   brought_ = {{"a", {}}};
   waiting_ = {{"a", {1000}}};

@@ -35,7 +35,9 @@ void HalfSentWatch::Start() {
 }
 
 void HalfSentWatch::Look() {
-  if (heads_.waiting() <= many_calls_ && heads_.told() <= connections_ + kManyTold) return;
+  const bool is_much = heads_.waiting() > many_calls_;
+  if (!is_much) half_sent_.Rest();
+  if (!is_much && heads_.told() <= connections_ + kManyTold) return;
   std::map<std::string, Traffic> connections;
   heads_.ForgetGone([&] {
     connections = ConnectionsTo(port_);
@@ -44,6 +46,7 @@ void HalfSentWatch::Look() {
     return peers;
   });
   connections_ = connections.size();
+  if (!is_much) return;
   const std::set<std::string> too_much =
       half_sent_.TooMuch(connections, [this](const std::string& peer) { return heads_.WaitingOf(peer); });
   if (too_much.empty()) return;
