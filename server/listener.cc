@@ -167,7 +167,9 @@ std::string PeerOf(int connection) {
     return absl::StrCat("ipv4:", host, ":", ntohs(v6.sin6_port));
   }
   inet_ntop(AF_INET6, &v6.sin6_addr, host, sizeof(host));
-  return absl::StrCat("ipv6:[", host, "]:", ntohs(v6.sin6_port));
+  // A link-local address is one of its interface.
+  const std::string scope = v6.sin6_scope_id == 0 ? "" : absl::StrCat("%", v6.sin6_scope_id);
+  return absl::StrCat("ipv6:[", host, scope, "]:", ntohs(v6.sin6_port));
 }
 
 std::map<std::string, Traffic> ConnectionsTo(int port) {

@@ -30,8 +30,8 @@ absl::StatusOr<bool> IsLocalOnly(const std::string& address);
 // LISTEN_UNPROTECTED, which says what to do.
 absl::Status Unprotected(const std::string& address);
 
-// As gRPC writes it where it listens ("ipv4:192.0.2.7:40312"), but with plain brackets ("ipv6:[::1]:40312"); empty for
-// a socket without address.
+// As gRPC writes it where it listens ("ipv4:192.0.2.7:40312"), but with plain brackets ("ipv6:[::1]:40312",
+// "ipv6:[fe80::1%2]:40312" with the number of its interface); empty for a socket without address.
 std::string PeerOf(int connection);
 
 // Of a connection, in bytes.

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <ifaddrs.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <future>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/error_detail.h"
 
 namespace axiscal::server {
@@ -25,6 +27,34 @@ int ConnectTo(int port) {
   if (connect(made, reinterpret_cast<sockaddr*>(&to), sizeof(to)) == 0) return made;
   close(made);
   return -1;
+}
+
+// As gRPC names it: with the number of its interface.
+TEST(Listener, TellsTheInterfaceOfALinkLocalPeer) {
+  ifaddrs* all = nullptr;
+  ASSERT_EQ(getifaddrs(&all), 0);
+  sockaddr_in6 to = {};
+  for (const ifaddrs* at = all; at != nullptr; at = at->ifa_next) {
+    if (at->ifa_addr == nullptr || at->ifa_addr->sa_family != AF_INET6) continue;
+    const auto& address = *reinterpret_cast<const sockaddr_in6*>(at->ifa_addr);
+    if (IN6_IS_ADDR_LINKLOCAL(&address.sin6_addr)) to = address;
+  }
+  freeifaddrs(all);
+  if (to.sin6_scope_id == 0) GTEST_SKIP() << "no interface of this machine has a link-local address";
+  const auto listener = Listener::Open("[::]:0");
+  ASSERT_TRUE(listener.ok()) << listener.status();
+  to.sin6_port = htons(static_cast<uint16_t>((*listener)->port()));
+  const int made = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  std::promise<std::string> peer;
+  (*listener)->Start(
+      [&peer](int, int connection) {
+        peer.set_value(PeerOf(connection));
+        close(connection);
+      },
+      [](int64_t) {});
+  ASSERT_EQ(connect(made, reinterpret_cast<sockaddr*>(&to), sizeof(to)), 0) << std::strerror(errno);
+  EXPECT_NE(peer.get_future().get().find(absl::StrCat("%", to.sin6_scope_id, "]:")), std::string::npos);
+  close(made);
 }
 
 TEST(Listener, TakesConnectionsUnderEveryNameOfThisMachine) {

@@ -4,7 +4,9 @@
 
 namespace axiscal::access {
 
-std::string PlainPeer(const std::string& peer) { return absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}}); }
+std::string PlainPeer(const std::string& peer) {
+  return absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}, {"%25", "%"}});
+}
 
 void KnownPeers::Add(const std::string& peer) {
   const base::MutexLock lock(mutex_);

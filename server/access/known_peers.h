@@ -12,7 +12,7 @@
 
 namespace axiscal::access {
 
-// As gRPC has it, with plain brackets: "ipv6:[::1]:40312".
+// What gRPC has as "ipv6:%5B::1%5D:40312" or "ipv6:%5Bfe80::1%252%5D:40312" without its escapes: "ipv6:[::1]:40312".
 std::string PlainPeer(const std::string& peer);
 
 // Peers as gRPC has them, "ipv4:192.0.2.7:40312" or "ipv6:%5B::1%5D:40312", also with plain brackets. Safe from any

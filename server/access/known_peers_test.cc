@@ -23,5 +23,11 @@ TEST(KnownPeers, ThoseThatAreConnectedStayKnown) {
   EXPECT_FALSE(known.Has("ipv4:192.0.2.9:5"));
 }
 
+TEST(KnownPeers, ArePlain) {
+  EXPECT_EQ(PlainPeer("ipv6:%5B::1%5D:40312"), "ipv6:[::1]:40312");
+  EXPECT_EQ(PlainPeer("ipv6:%5Bfe80::1%252%5D:40312"), "ipv6:[fe80::1%2]:40312");
+  EXPECT_EQ(PlainPeer("ipv6:[fe80::1%2]:40312"), "ipv6:[fe80::1%2]:40312");
+}
+
 }  // namespace
 }  // namespace axiscal::access
