@@ -233,6 +233,40 @@ TEST(Length, TheScaleOfTheFitIsThatOfASessionThatChecks) {
   EXPECT_EQ(checked->result.sessions[0].setup.back().sigma, 0.0);
 }
 
+// It fits what that wire measured at a third anchor, where the first two leave no noise in the errors.
+TEST(Length, WhatOneWireTellsHoldsAtAThirdAnchor) {
+  constexpr int kRuns = 12;
+  double chi2 = 0.0, freedom = 0.0;
+  for (uint64_t seed = 1; seed <= kRuns; ++seed) {
+    std::vector<session::Session> measured;
+    for (session::Session& plan : OneWire("WDS-10443")) {
+      const bool checks = measured.size() == 2;
+      for (session::HeaderEntry& entry : plan.header)
+        if (entry.key == "sigma_um" && !checks) entry.value = "0.001";
+      synthetic::NoiseOptions noise;
+      noise.seed = 100 * seed + measured.size();
+      noise.stated_seed = seed;
+      measured.push_back(synthetic::Simulate(kMachine, *machine::ReadErrors(kScaled, kMachine), plan, noise).value());
+    }
+    const session::Session check = measured.back();
+    measured.pop_back();
+    Options options;
+    options.model = *machine::ReadErrors(kScaled, kMachine);
+    const auto fit = FitSessions(kMachine, measured, options);
+    ASSERT_TRUE(fit.ok()) << fit.status();
+    const auto runs = BindSessions(kMachine, {check});
+    ASSERT_TRUE(runs.ok()) << runs.status();
+    const auto checked = CheckRuns(kMachine, *runs, *fit, options);
+    ASSERT_TRUE(checked.ok()) << checked.status();
+    // Fitted are the anchor and the length's zero.
+    const double free = checked->result.fit.readings - 4.0;
+    chi2 += checked->result.fit.chi2_per_dof * free;
+    freedom += free;
+  }
+  // A chi-square has twice its degrees of freedom as variance.
+  EXPECT_NEAR(chi2 / freedom, 1.0, 4.0 * std::sqrt(2.0 / freedom));
+}
+
 // Two halves of one run share beam, target and zero, wherever the middle of each stands: a step between them is the
 // machine's.
 TEST(Length, HalvesOfOneSetUpCountFromOneZero) {
