@@ -22,7 +22,9 @@ std::set<std::string> HalfSent::TooMuch(const std::map<std::string, Traffic>& co
     const std::optional<WaitingCalls> waiting = waiting_of(peer);
     const auto before = heard_.find(peer);
     const bool is_heard = is_first || (waiting && waiting->was_none);
-    const int64_t upto = heard[peer] = is_heard ? traffic.brought : before == heard_.end() ? 0 : before->second;
+    // Who has brought less than before is another one with the same address.
+    const bool is_new = before == heard_.end() || before->second > traffic.brought;
+    const int64_t upto = heard[peer] = is_heard ? traffic.brought : is_new ? 0 : before->second;
     int64_t bytes = traffic.brought - upto;
     // No message is longer.
     if (waiting) bytes = std::min(bytes, waiting->count * message_bytes_) + waiting->count * kHeadBytes;

@@ -48,6 +48,9 @@ TEST_F(HalfSentTest, OfOneThatComesAllCounts) {
   EXPECT_EQ(Look().size(), 1u);
   half_sent_.Rest();
   EXPECT_THAT(Look(), IsEmpty());
+  // Another connection with the address of one that was heard.
+  brought_["a"].brought = 120 * kMega;
+  EXPECT_THAT(Look(), UnorderedElementsAre("a"));
 }
 
 TEST_F(HalfSentTest, WhatWasHeardCountsNoLonger) {

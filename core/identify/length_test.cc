@@ -147,9 +147,15 @@ std::vector<session::Session> OneWire(const std::string& serial) {
   return grids;
 }
 
-std::vector<session::Session> MeasuredWithOneWire(const std::string& truth, const std::string& serial, uint64_t seed) {
+// `fit_sigma_um`: of all but the last session, in place of what their plans state.
+std::vector<session::Session> MeasuredWithOneWire(const std::string& truth, const std::string& serial, uint64_t seed,
+                                                  const std::string& fit_sigma_um = "") {
   std::vector<session::Session> measured;
-  for (const session::Session& plan : OneWire(serial)) {
+  std::vector<session::Session> plans = OneWire(serial);
+  for (session::Session& plan : plans) {
+    const bool is_last = &plan == &plans.back();
+    for (session::HeaderEntry& entry : plan.header)
+      if (entry.key == "sigma_um" && !is_last && !fit_sigma_um.empty()) entry.value = fit_sigma_um;
     synthetic::NoiseOptions noise;
     noise.seed = 100 * seed + measured.size();
     noise.stated_seed = seed;
@@ -216,21 +222,28 @@ TEST(Length, SessionsOfOneSerialNumberStateOneSigma) {
   EXPECT_TRUE(Identify(kMachine, measured, options).ok());
 }
 
-// A session that checks was measured with the wire of the fit: its scale is the fit's.
-TEST(Length, TheScaleOfTheFitIsThatOfASessionThatChecks) {
-  std::vector<session::Session> measured = MeasuredWithOneWire(kScaled, "WDS-10443", 3);
+struct Checked {
+  Fit fit, check;
+};
+// All sessions but the last are fitted, the last checks.
+absl::StatusOr<Checked> CheckedByTheLast(std::vector<session::Session> measured) {
   const session::Session check = measured.back();
   measured.pop_back();
   Options options;
   options.model = *machine::ReadErrors(kScaled, kMachine);
-  const auto fit = FitSessions(kMachine, measured, options);
-  ASSERT_TRUE(fit.ok()) << fit.status();
-  const auto runs = BindSessions(kMachine, {check});
-  ASSERT_TRUE(runs.ok()) << runs.status();
-  const auto checked = CheckRuns(kMachine, *runs, *fit, options);
-  ASSERT_TRUE(checked.ok()) << checked.status();
-  EXPECT_EQ(checked->result.sessions[0].setup.back().value, fit->result.sessions[0].setup.back().value);
-  EXPECT_EQ(checked->result.sessions[0].setup.back().sigma, 0.0);
+  ASSIGN_OR_RETURN(Fit fit, FitSessions(kMachine, measured, options));
+  ASSIGN_OR_RETURN(const auto runs, BindSessions(kMachine, {check}));
+  ASSIGN_OR_RETURN(Fit checked, CheckRuns(kMachine, runs, fit, options));
+  return Checked{std::move(fit), std::move(checked)};
+}
+
+// A session that checks was measured with the wire of the fit: its scale is the fit's.
+TEST(Length, TheScaleOfTheFitIsThatOfASessionThatChecks) {
+  const auto both = CheckedByTheLast(MeasuredWithOneWire(kScaled, "WDS-10443", 3));
+  ASSERT_TRUE(both.ok()) << both.status();
+  const SetupOffset& scale = both->check.result.sessions[0].setup.back();
+  EXPECT_EQ(scale.value, both->fit.result.sessions[0].setup.back().value);
+  EXPECT_EQ(scale.sigma, 0.0);
 }
 
 // It fits what that wire measured at a third anchor, where the first two leave no noise in the errors.
@@ -238,29 +251,11 @@ TEST(Length, WhatOneWireTellsHoldsAtAThirdAnchor) {
   constexpr int kRuns = 12;
   double chi2 = 0.0, freedom = 0.0;
   for (uint64_t seed = 1; seed <= kRuns; ++seed) {
-    std::vector<session::Session> measured;
-    for (session::Session& plan : OneWire("WDS-10443")) {
-      const bool checks = measured.size() == 2;
-      for (session::HeaderEntry& entry : plan.header)
-        if (entry.key == "sigma_um" && !checks) entry.value = "0.001";
-      synthetic::NoiseOptions noise;
-      noise.seed = 100 * seed + measured.size();
-      noise.stated_seed = seed;
-      measured.push_back(synthetic::Simulate(kMachine, *machine::ReadErrors(kScaled, kMachine), plan, noise).value());
-    }
-    const session::Session check = measured.back();
-    measured.pop_back();
-    Options options;
-    options.model = *machine::ReadErrors(kScaled, kMachine);
-    const auto fit = FitSessions(kMachine, measured, options);
-    ASSERT_TRUE(fit.ok()) << fit.status();
-    const auto runs = BindSessions(kMachine, {check});
-    ASSERT_TRUE(runs.ok()) << runs.status();
-    const auto checked = CheckRuns(kMachine, *runs, *fit, options);
-    ASSERT_TRUE(checked.ok()) << checked.status();
+    const auto both = CheckedByTheLast(MeasuredWithOneWire(kScaled, "WDS-10443", seed, "0.001"));
+    ASSERT_TRUE(both.ok()) << both.status();
     // Fitted are the anchor and the length's zero.
-    const double free = checked->result.fit.readings - 4.0;
-    chi2 += checked->result.fit.chi2_per_dof * free;
+    const double free = both->check.result.fit.readings - 4.0;
+    chi2 += both->check.result.fit.chi2_per_dof * free;
     freedom += free;
   }
   // A chi-square has twice its degrees of freedom as variance.
