@@ -7,6 +7,7 @@ import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { DifferenceVerdict, type CalibrationPicture, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
 import { DriftFindingKind, type DriftFinding } from "../gen/axiscal/v1/history_service_pb";
+import type { VolumetricError } from "../gen/axiscal/v1/volumetric_pb";
 import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
 import { jumpWords, suspectWords } from "../certainty";
 import { isNew, listEvents } from "../events";
@@ -248,14 +249,12 @@ function Moves(props: { made: CompareCalibrationsResponse }) {
 }
 
 // Whether things get better: the tool point's error over the box with the one in use and with this one, as this one sees the machine.
-function Gain(props: { of: Calibration }) {
-  const { of } = props;
-  const found = useLoad(`gain ${of.calibrationId}`, async () => (await calibrations.getVolumetricError({ calibrationId: of.calibrationId })).error);
-  const error = found.data;
+function Gain(props: { error?: VolumetricError }) {
+  const { error } = props;
   if (!error?.before?.rms || !error.after?.rms) return null;
   return (
     <p class="lead">
-      {t("gain", { old: error.beforeCalibrationId ?? "", before: figureText(error.before), n: of.calibrationId, after: figureText(error.after) })}
+      {t("gain", { old: error.beforeCalibrationId ?? "", before: figureText(error.before), n: error.calibrationId, after: figureText(error.after) })}
     </p>
   );
 }
@@ -271,9 +270,13 @@ function Differences(props: { it: Calibration; inUse?: Calibration; mayChoose?: 
   );
   const others = (listed.data ?? []).filter((one) => one.calibrationId !== it.calibrationId);
   const other = chosen ?? (inUse?.calibrationId === it.calibrationId ? undefined : inUse?.calibrationId);
-  const found = useLoad(`differences ${it.calibrationId} ${other}`, async () =>
-    other === undefined ? undefined : calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: other }),
-  );
+  const found = useLoad(`differences ${it.calibrationId} ${other}`, async () => {
+    if (other === undefined) return undefined;
+    const made = calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: other });
+    // Together: what comes later would move what is read. Where nothing is known of it nothing is said.
+    const gain = other === inUse?.calibrationId ? calibrations.getVolumetricError({ calibrationId: it.calibrationId }).then(({ error }) => error, () => undefined) : undefined;
+    return { made: await made, gain: await gain };
+  });
   // Both or none: nothing that is seen moves when the other comes.
   const isPlaced = (listed.data !== undefined || listed.problem !== undefined) && (other === undefined || found.data !== undefined || found.problem !== undefined);
   usePlaced(isPlaced, props.onPlaced);
@@ -301,9 +304,9 @@ function Differences(props: { it: Calibration; inUse?: Calibration; mayChoose?: 
     <>
     {choice}
     <Show of={isPlaced ? { data: found.data, problem: found.problem } : {}} rows={8}>
-      {(made) => (
+      {({ made, gain }) => (
         <>
-          {other === inUse?.calibrationId && <Gain of={it} />}
+          <Gain error={gain} />
           <Moves made={made} />
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
@@ -542,11 +545,15 @@ function MakeTable(props: { it: Calibration }) {
   );
 }
 
-// "0 0 -350" -> three numbers; to a German reader "0 0 -356,3945" is three, too.
+// "-350.5" -> a number; to a German reader "-350,5" is one, too.
+export function lengthOf(word: string): number | undefined {
+  const number = Number(language.value === "de" ? word.replace(/^([+-]?\d+),(\d+)$/, "$1.$2") : word);
+  return word !== "" && Number.isFinite(number) ? number : undefined;
+}
+// "0 0 -350" -> three of them.
 export function tipOf(text: string): number[] | undefined {
-  const words = text.trim().split(/[\s;]+/);
-  const numbers = words.map((word) => Number(language.value === "de" ? word.replace(/^([+-]?\d+),(\d+)$/, "$1.$2") : word));
-  return words.length === 3 && words.every((w) => w !== "") && numbers.every(Number.isFinite) ? numbers : undefined;
+  const numbers = text.trim().split(/[\s;]+/).map(lengthOf).filter((one) => one !== undefined);
+  return text.trim().split(/[\s;]+/).length === 3 && numbers.length === 3 ? numbers : undefined;
 }
 
 export function Warnings(props: { list?: Warning[] }) {
@@ -681,7 +688,7 @@ export function CalibrationPage(props: { id: bigint }) {
             <Pictures id={it.calibrationId} />
             <section id="differences">
               <h2>{t("differences")}</h2>
-              <Differences it={it} inUse={data.inUse} mayChoose onPlaced={() => setPlaced(it.calibrationId)} />
+              <Differences key={String(it.calibrationId)} it={it} inUse={data.inUse} mayChoose onPlaced={() => setPlaced(it.calibrationId)} />
             </section>
             {placed === it.calibrationId && (
             <>

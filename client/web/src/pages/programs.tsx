@@ -11,7 +11,7 @@ import { DropZone, Empty, ProblemBox, Show, Table, Title } from "../parts";
 import type { LoopReport } from "../reports";
 import { may } from "../session";
 import { t } from "../text";
-import { tipOf } from "./calibration";
+import { lengthOf, tipOf } from "./calibration";
 import { compensationOf, hasEnded, JobMark, JobProgressBar, useJob } from "./jobs";
 import { residualText } from "./machine";
 import { Doubts, Outcome } from "./outcome";
@@ -56,14 +56,15 @@ const kFieldOf: Record<string, { label: "programUnit" | "maxCorrection" | "tip" 
   TOOL_TIP_INVALID: { label: "tip", name: "tip" },
   TABLE_HANDED_OUT: { label: "tablesOff", name: "tablesOff" },
 };
-// "D1=5 T5D1=6,25" -> tool numbers and radii as ToolRadius has them; nothing where it cannot be read.
+// "D1=5 T5D1=6.25", to a German reader 6,25 too -> tool numbers and radii as ToolRadius has them; nothing where it cannot be read.
 const kToolsOwn = 10_000; // D1 of tool 5 is 50001
 function radiiOf(text: string): { number: number; radiusMm: number }[] | undefined {
   const radii: { number: number; radiusMm: number }[] = [];
   for (const word of text.trim().split(/[\s;]+/).filter(Boolean)) {
-    const parts = /^(?:T(\d{1,4}))?D(\d{1,4})=(\d+(?:[.,]\d+)?)$/i.exec(word);
-    if (parts === null) return undefined;
-    radii.push({ number: Number(parts[1] ?? 0) * kToolsOwn + Number(parts[2]), radiusMm: Number(parts[3].replace(",", ".")) });
+    const parts = /^(?:T(\d{1,4}))?D(\d{1,4})=(.+)$/i.exec(word);
+    const radiusMm = parts === null ? undefined : lengthOf(parts[3]);
+    if (parts === null || radiusMm === undefined || radiusMm < 0) return undefined;
+    radii.push({ number: Number(parts[1] ?? 0) * kToolsOwn + Number(parts[2]), radiusMm });
   }
   return radii;
 }
