@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "server/handlers/make_table.h"
 #include "server/handlers/testing/test_core.h"
 
 namespace axiscal::handlers {
@@ -40,6 +41,17 @@ TEST_F(Approval, IsRefusedToWhatNoMachineHas) {
   EXPECT_TRUE(joint.ok()) << joint;
   const absl::Status tool = Approve({"EZ0T", EstimateUnit::kUm, true, 3'145.0, 1.0});
   EXPECT_TRUE(tool.ok()) << tool;
+}
+
+TEST_F(Approval, NorIsATableMadeOfIt) {
+  ASSERT_TRUE(database->CreateMachine(MachineId("mt"), kMachineJson, storage::Cell("")).ok());
+  EXPECT_FALSE(Approve({"EXX:linear", records::EstimateUnit::kUm, true, -999'000.0, 12.0}).ok());
+  v1::MakeTableRequest request;
+  request.set_machine_id("mt");
+  request.set_calibration_id(1);  // the candidate
+  request.set_format("general");
+  for (const double mm : {0.0, 0.0, -150.0}) request.add_tool_tip_mm(mm);
+  EXPECT_EQ(base::ErrorReason(MakeTable(core, call, request).status()), "CALIBRATION_NOT_PLAUSIBLE");
 }
 
 }  // namespace

@@ -26,25 +26,10 @@ bool DeterminesACombination(const std::string& report_json) {
   return report.ok() && !reports::FittedOf(*report).determined.empty();
 }
 
-// Beyond these no machine that moves can be: ten times what the largest warning of an identification begins with
-// (reports::BeyondSize) of a length or a scale, 2 % of each metre, and six degrees, as joints of an arm may be off that
-// was put together anew. What a forgotten stylus or m in place of mm leaves is beyond them.
+// No machine that moves has more. Lengths and scales (um/m): 20 mm, or 2 % of a travel, ten times the share of its size
+// at which an identification warns (reports::BeyondSize). Angles: six degrees; joints of an arm that was put together
+// anew may be off by some. What a forgotten stylus or m in place of mm leaves is beyond them.
 constexpr double kMostUm = 20'000.0, kMostUrad = 100'000.0;
-
-absl::Status CheckSizes(const records::CalibrationRecord& calibration) {
-  for (const records::Estimate& estimate : calibration.content.estimates) {
-    const bool is_um = estimate.unit == records::EstimateUnit::kUm;
-    const double most = is_um ? kMostUm : kMostUrad;
-    if (!estimate.value || std::abs(*estimate.value) <= most) continue;
-    return base::Error(absl::StatusCode::kFailedPrecondition,
-                       absl::StrCat("calibration ", calibration.id.number(), " has ", estimate.symbol, " = ",
-                                    *estimate.value, is_um ? " um" : " urad", ", no machine has more than ", most,
-                                    ": a length, a radius or a unit of its sessions or of machine.json is wrong; its "
-                                    "report says what may be. Mend that and identify again"),
-                       {"CALIBRATION_NOT_PLAUSIBLE", {{"symbol", estimate.symbol}}});
-  }
-  return absl::OkStatus();
-}
 
 }  // namespace
 
@@ -61,6 +46,21 @@ absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
       absl::StrCat("the axes of machine ", machine.id, " were changed since calibration ", calibration.id.number(),
                    " was identified (revision ", then.revision, ", now ", now.revision, "): identify again"),
       {"MACHINE_CHANGED", {}});
+}
+
+absl::Status CheckSizes(const records::CalibrationRecord& calibration) {
+  for (const records::Estimate& estimate : calibration.content.estimates) {
+    const bool is_um = estimate.unit == records::EstimateUnit::kUm;
+    const double most = is_um ? kMostUm : kMostUrad;
+    if (!estimate.value || std::abs(*estimate.value) <= most) continue;
+    return base::Error(absl::StatusCode::kFailedPrecondition,
+                       absl::StrCat("calibration ", calibration.id.number(), " has ", estimate.symbol, " = ",
+                                    *estimate.value, is_um ? " um" : " urad", ", no machine has more than ", most,
+                                    ": a length, a radius or a unit of its sessions or of machine.json is wrong; its "
+                                    "report says what may be. Mend that and identify again"),
+                       {"CALIBRATION_NOT_PLAUSIBLE", {{"symbol", estimate.symbol}}});
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration) {

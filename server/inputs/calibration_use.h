@@ -18,8 +18,12 @@ namespace axiscal::inputs {
 // may have changed. FAILED_PRECONDITION MACHINE_CHANGED naming both revisions.
 absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const records::CalibrationRecord& calibration);
 
+// OK if it holds no error that no machine has: more than 20 mm, 2 % of a length, or 100 mrad. FAILED_PRECONDITION
+// CALIBRATION_NOT_PLAUSIBLE naming the error, its size and the limit.
+absl::Status CheckSizes(const records::CalibrationRecord& calibration);
+
 // OK if compensation can use it: its machine as in MachineFor, and its sessions determine at least one error or
-// combination of errors, and none that no machine has. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY,
+// combination of errors, and CheckSizes(). FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY,
 // CALIBRATION_NOT_PLAUSIBLE.
 absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration);
 

@@ -115,6 +115,7 @@ absl::StatusOr<records::CalibrationRecord> CalibrationFor(storage::Database& dat
                                                           const std::string& field) {
   if (!calibration_id) {
     absl::StatusOr<records::CalibrationRecord> approved = database.GetApprovedCalibration(machine);
+    if (approved.ok()) RETURN_IF_ERROR(CheckSizes(*approved));
     if (approved.ok() || !absl::IsNotFound(approved.status())) return approved;
     return Unmet("CALIBRATION_NOT_APPROVED",
                  "machine " + machine.text() + " has no approved calibration: approve one, or name a candidate");
@@ -129,6 +130,7 @@ absl::StatusOr<records::CalibrationRecord> CalibrationFor(storage::Database& dat
     return Unmet("CALIBRATION_RETIRED",
                  absl::StrCat("calibration ", calibration.id.number(), " is retired: approve it again to use it"));
   }
+  RETURN_IF_ERROR(CheckSizes(calibration));
   return calibration;
 }
 

@@ -18,7 +18,7 @@ namespace axiscal::inputs {
 // The machine is there and not deleted; sessions are complete and of that machine; the program is complete; the
 // calibration is of that machine and not retired, or, when none is named, one is approved. The store's NOT_FOUND,
 // FIELD_INVALID, FAILED_PRECONDITION MACHINE_DELETED, SESSION_NOT_COMPLETE, PROGRAM_NOT_COMPLETE, CALIBRATION_RETIRED,
-// CALIBRATION_NOT_APPROVED.
+// CALIBRATION_NOT_APPROVED, CALIBRATION_NOT_PLAUSIBLE.
 absl::Status CheckInputs(storage::Database& database, const records::JobParams& params);
 
 // The calibration that compensation and tables use, as above; `field` names it in errors.
