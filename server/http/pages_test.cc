@@ -39,7 +39,7 @@ std::string Unpacked(const std::string& gzipped, size_t size) {
 
 TEST(PagesTest, TheBundleIsThereAndSaysWhatMayRun) {
   const Pages pages(EmbeddedPages());
-  for (const std::string path : {"/", "/app.js", "/app.css", "/icon.svg"}) {
+  for (const std::string path : {"/", "/app.js", "/chunk.js", "/others.js", "/app.css", "/icon.svg"}) {
     ASSERT_TRUE(pages.Has(path)) << path;
     const Answer answer = pages.Get(GetOf(path));
     EXPECT_EQ(answer.status, 200);

@@ -35,9 +35,18 @@ for (let i = 0; i < kRounds; ++i) {
   const page = await context.newPage();
   let asked = 0;
   page.on("request", (request) => (asked += request.url().includes("/axiscal.v1.") ? 1 : 0));
+  // The frame after the first row is in the page, by the page's own clock: what asks from outside adds its own way to it.
+  await page.addInitScript(() => {
+    const watch = new MutationObserver(() => {
+      if (document.querySelector("tbody tr") === null) return;
+      watch.disconnect();
+      requestAnimationFrame(() => setTimeout(() => (window.firstRow = performance.now())));
+    });
+    watch.observe(document, { childList: true, subtree: true });
+  });
   await page.goto(`${server.url}/`);
-  await page.locator("tbody tr").first().waitFor({ timeout: 120_000 });
-  rows.push(await page.evaluate(() => performance.now()));
+  await page.waitForFunction(() => window.firstRow !== undefined, undefined, { timeout: 120_000 });
+  rows.push(await page.evaluate(() => window.firstRow));
   await page.locator("tbody tr").nth(49).waitFor();
   await page.getByText("The history of all 1,000 calibrated machines was looked through.").waitFor();
   wholes.push(await page.evaluate(() => performance.now()));
@@ -67,7 +76,7 @@ console.log(`all of the fleet, median of 5: ${median(wholes).toFixed(0)} ms, ${M
 say(`a key in the filter to the next frame, median of ${keys.length}`, median(keys), "ms", kInteractionMs);
 say(`the slowest of these`, Math.max(...keys), "ms", kInteractionMs);
 let bytes = 0;
-for (const name of ["", "app.js", "app.css", "icon.svg"]) {
+for (const name of fs.readdirSync(path.join(kHere, "dist")).map((name) => (name === "index.html" ? "" : name))) {
   const text = await (await fetch(`${server.url}/${name}`)).arrayBuffer();
   bytes += zlib.gzipSync(Buffer.from(text)).length;
 }

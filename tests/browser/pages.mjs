@@ -100,6 +100,9 @@ const tooWide = (page) =>
   ]);
 const openDetails = (page) => page.evaluate(() => document.querySelectorAll("main details").forEach((one) => (one.open = true)));
 
+// All files of the pages.
+const kFiles = fs.readdirSync(path.join(kHere, "dist")).map((name) => (name === "index.html" ? "" : name));
+
 // Every page, and what must be seen on it before it is judged.
 const kPages = [
   ["fleet", "#/", (page) => page.getByRole("link", { name: "mill-8", exact: true })],
@@ -144,7 +147,7 @@ after(async () => {
 });
 
 test("the files say what may run, and are sent once", async () => {
-  for (const name of ["", "app.js", "app.css", "icon.svg"]) {
+  for (const name of kFiles) {
     const first = await fetch(`${server.url}/${name}`, { headers: { "accept-encoding": "gzip" } });
     assert.equal(first.status, 200);
     assert.match(first.headers.get("content-security-policy"), /default-src 'none'; script-src 'self'; style-src 'self'/);
@@ -840,7 +843,7 @@ test("a thousand machines with ten years each", async () => {
 
 test("the pages are small", async () => {
   let bytes = 0;
-  for (const name of ["", "app.js", "app.css", "icon.svg"])
+  for (const name of kFiles)
     bytes += zlib.gzipSync(Buffer.from(await (await fetch(`${server.url}/${name}`)).arrayBuffer())).length;
   assert.ok(bytes <= 250_000, `${bytes} bytes compressed`);
 });
@@ -1409,6 +1412,32 @@ test("a server that was restarted under the page", async () => {
   await signIn(page, "eve");
   await page.getByRole("link", { name: "Job 4", exact: true }).waitFor();
   await own.stop();
+  await done();
+});
+
+test("a page's script that does not come is said, and comes with the connection", async () => {
+  const { page, done } = await openPage();
+  const refuse = async (what) => await page.route(what, (route) => route.abort());
+  // The connection is lost before another page was opened.
+  await refuse("**/others.js");
+  await refuse("**/app.css");
+  await signIn(page, "eve");
+  await page.getByRole("link", { name: "mill-8", exact: true }).waitFor();
+  await page.evaluate(() => (window.isOld = true));
+  await page.getByRole("link", { name: "Jobs" }).click();
+  await page.getByText("The connection to the server is lost.").waitFor();
+  await page.unroute("**/others.js");
+  await page.unroute("**/app.css");
+  await page.getByRole("link", { name: "Job 4", exact: true }).waitFor();
+  assert.equal(await page.evaluate(() => window.isOld), undefined);
+  // The server is there, and does not give it out: said, and nothing is loaded again and again.
+  await page.context().clearCookies();
+  await refuse("**/others.js");
+  await page.reload();
+  await page.evaluate(() => (window.isOld = true));
+  await signIn(page, "eve");
+  await page.getByText("A script of this page did not come").waitFor();
+  assert.equal(await page.evaluate(() => window.isOld), true);
   await done();
 });
 

@@ -1,23 +1,13 @@
 // The API, as generated from the protos, and what all pages do with it: know whether the server is there, say errors.
-import { create, toJsonString } from "@bufbuild/protobuf";
 import { createClient, ConnectError, Code } from "@connectrpc/connect";
 import { createConnectTransport } from "@connectrpc/connect-web";
 import { signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useLayoutEffect, useState } from "preact/hooks";
 import { ErrorInfoSchema } from "./gen/google/rpc/error_details_pb";
 import { Access } from "./gen/axiscal/v1/access_service_pb";
-import { Admin } from "./gen/axiscal/v1/admin_service_pb";
-import { Calibrations } from "./gen/axiscal/v1/calibrations_service_pb";
 import { Events } from "./gen/axiscal/v1/events_service_pb";
 import { History } from "./gen/axiscal/v1/history_service_pb";
 import { Ingest } from "./gen/axiscal/v1/ingest_service_pb";
-import { JobParamsSchema, type JobParams } from "./gen/axiscal/v1/job_pb";
-import { Jobs } from "./gen/axiscal/v1/jobs_service_pb";
-import { Machines } from "./gen/axiscal/v1/machines_service_pb";
-import { Programs } from "./gen/axiscal/v1/programs_service_pb";
-import { Routines } from "./gen/axiscal/v1/routines_service_pb";
-import { Tables } from "./gen/axiscal/v1/tables_service_pb";
-import { Webhooks } from "./gen/axiscal/v1/webhooks_service_pb";
 
 // Whether the last request reached the server. While it does not, it is asked again every two seconds.
 export const isConnected = signal(true);
@@ -72,19 +62,12 @@ export async function watchedFetch(input: RequestInfo | URL, init?: RequestInit)
 }
 
 // In protobuf's own bytes: the lists of a large fleet are a third as long as in JSON, and read in a fraction of the time.
-const transport = createConnectTransport({ baseUrl: location.origin, fetch: watchedFetch, useBinaryFormat: true });
+export const transport = createConnectTransport({ baseUrl: location.origin, fetch: watchedFetch, useBinaryFormat: true });
+// Services that the first page needs; the others come with the other pages (services.ts).
 export const access = createClient(Access, transport);
-export const admin = createClient(Admin, transport);
-export const calibrations = createClient(Calibrations, transport);
 export const events = createClient(Events, transport);
 export const history = createClient(History, transport);
 export const ingest = createClient(Ingest, transport);
-export const jobs = createClient(Jobs, transport);
-export const machines = createClient(Machines, transport);
-export const programs = createClient(Programs, transport);
-export const routines = createClient(Routines, transport);
-export const tables = createClient(Tables, transport);
-export const webhooks = createClient(Webhooks, transport);
 
 // What went wrong, in the server's words, and the reason's name (proto/README.md).
 export interface Problem {
@@ -143,7 +126,8 @@ export interface Loaded<Data> {
 export function useLoad<Data>(key: string, load: () => Promise<Data>, everyMs: number | ((found?: Data) => number) = 0): Loaded<Data> {
   const [state, setState] = useState<Loaded<Data> & { key: string }>({ key });
   const now = epoch.value;
-  useEffect(() => {
+  // At once, and not after the frame that says that it loads.
+  useLayoutEffect(() => {
     let isOver = false;
     let timer: number | undefined;
     let data: Data | undefined;
@@ -179,16 +163,4 @@ export function jsonOf<Type>(text: string): Type | undefined {
   } catch {
     return undefined;
   }
-}
-
-// Queues a job and returns its number. Asked again after an answer that was lost, the same job is meant.
-const asked = new Map<string, string>();
-export async function createJob(kind: JobParams["kind"], priority = 0): Promise<bigint> {
-  const params = create(JobParamsSchema, { kind });
-  const key = `${priority} ${toJsonString(JobParamsSchema, params)}`;
-  const requestId = asked.get(key) ?? crypto.randomUUID();
-  asked.set(key, requestId);
-  const { job } = await jobs.createJob({ requestId, params, priority });
-  asked.delete(key);
-  return job!.jobId;
 }

@@ -2,24 +2,12 @@
 import { render } from "preact";
 import { effect, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { isConnected, mustSignIn, problemOf, type Problem } from "./api";
+import { isConnected, mustSignIn, problemOf, watchedFetch, type Problem } from "./api";
 import { Role } from "./gen/axiscal/v1/access_service_pb";
 import { identity, isAdminOfAll, isWall, isWallRefused, may, refusal, signIn, signOut, watchIdle, watchWall, whoAmI } from "./session";
 import { language, setLanguage, t, type Language } from "./text";
 import { ProblemBox, Title } from "./parts";
-import { AuditPage } from "./pages/audit";
-import { CalibrationPage } from "./pages/calibration";
-import { CellsPage } from "./pages/cells";
-import { EventsPage } from "./pages/events";
 import { FleetPage } from "./pages/fleet";
-import { JobPage, JobsPage } from "./pages/jobs";
-import { LoopPage } from "./pages/loop";
-import { MachinePage } from "./pages/machine";
-import { RoutinesPage } from "./pages/routines";
-import { WebhooksPage } from "./pages/webhooks";
-import { ProgramsPage } from "./pages/programs";
-import { UploadPage } from "./pages/upload";
-import { WallPage } from "./pages/wall";
 
 type Theme = "auto" | "light" | "dark";
 const theme = signal<Theme>((localStorage.getItem("theme") as Theme | null) ?? "auto");
@@ -44,54 +32,45 @@ addEventListener("hashchange", () => {
   document.getElementById("main")?.focus();
 });
 
-function idOf(word: string | undefined): bigint | undefined {
-  return word !== undefined && /^[1-9]\d{0,17}$/.test(word) ? BigInt(word) : undefined;
+// All pages but the fleet's are a script of their own, so that the fleet is there early. It is fetched when the fleet stands, and run when one is opened.
+type Others = typeof import("./pages/others");
+const others = signal<Others | undefined>(undefined);
+// A script that did not come once does not come later: the browser remembers that. So the page is loaded anew when the connection is back.
+const othersLost = signal<"no" | "by the connection" | "at the server">("no");
+async function openOthers() {
+  try {
+    others.value = await import("./pages/others");
+  } catch {
+    const isServerThere = await watchedFetch("app.css", { cache: "no-store" }).then(() => true, () => false);
+    othersLost.value = isServerThere ? "at the server" : "by the connection";
+  }
+}
+function fetchOthers() {
+  const link = document.createElement("link");
+  link.rel = "modulepreload";
+  link.href = "others.js";
+  document.head.append(link);
+}
+
+function OtherPage(props: { room: string; word?: string }) {
+  useEffect(() => {
+    if (othersLost.value === "by the connection" && isConnected.value) location.reload();
+  }, [othersLost.value, isConnected.value]);
+  useEffect(() => {
+    if (others.value === undefined) void openOthers();
+  }, []);
+  if (others.value !== undefined) return <others.value.OtherPage {...props} />;
+  if (othersLost.value === "at the server") return <ProblemBox problem={{ text: t("scriptMissing"), reason: "", isConnection: false, isOwn: true }} />;
+  return (
+    <p class="waiting who-first" role="status">
+      {t("loading")}
+    </p>
+  );
 }
 
 function Page() {
   const [room, word] = place.value;
-  const id = idOf(word);
-  switch (room) {
-    case "":
-      return <FleetPage />;
-    case "machines":
-      if (word) return <MachinePage key={word} machineId={word} />;
-      break;
-    case "calibrations":
-      if (id) return <CalibrationPage key={word} id={id} />;
-      break;
-    case "loops":
-      if (id) return <LoopPage key={word} id={id} />;
-      break;
-    case "events":
-      return <EventsPage key={word ?? ""} machineId={word} />;
-    case "jobs":
-      if (id) return <JobPage key={word} id={id} />;
-      if (word === undefined) return <JobsPage />;
-      break;
-    case "programs":
-      return <ProgramsPage />;
-    case "upload":
-      return <UploadPage key={word ?? ""} machineId={word} />;
-    case "routines":
-      return <RoutinesPage />;
-    case "cells":
-      return <CellsPage />;
-    case "webhooks":
-      return <WebhooksPage />;
-    case "audit":
-      return <AuditPage />;
-    case "wall":
-      return <WallPage />;
-  }
-  return (
-    <>
-      <Title text={t("notFound")} />
-      <p>
-        <a href="#/">{t("fleet")}</a>
-      </p>
-    </>
-  );
+  return room === "" ? <FleetPage onShown={fetchOthers} /> : <OtherPage room={room} word={word} />;
 }
 
 function SignInPage() {

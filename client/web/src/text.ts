@@ -24,6 +24,10 @@ const kTexts = {
     "Ein Administrator erzeugt ein Token mit: axiscal admin token add NAME -o NAME.token. Fügen Sie seinen Inhalt hier ein.",
   ],
   token: ["Token", "Token"],
+  scriptMissing: [
+    "A script of this page did not come, though the server is there. Load the page anew; if that does not help, tell who runs the server that others.js is not given out.",
+    "Ein Skript dieser Seite kam nicht, obwohl der Server da ist. Laden Sie die Seite neu; hilft das nicht, sagen Sie dem Betreiber des Servers, dass others.js nicht ausgeliefert wird.",
+  ],
   lost: [
     "The connection to the server is lost. What you see may be old; it is tried again every two seconds.",
     "Die Verbindung zum Server ist unterbrochen. Das Gezeigte kann veraltet sein; alle zwei Sekunden wird es wieder versucht.",

@@ -1,6 +1,6 @@
 // One calibration: what was found, how sure, what cannot be told apart; tables of it; and the decision to use it.
 import { useState } from "preact/hooks";
-import { calibrations, epoch, history, jsonOf, problemOf, tables, useLoad, type Problem, Refusal } from "../api";
+import { epoch, history, jsonOf, problemOf, useLoad, type Problem, Refusal } from "../api";
 import { Intervals } from "../charts";
 import { countText, dayText, figureText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
@@ -16,6 +16,7 @@ import { kindText } from "./events";
 import { Empty, ErrorName, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted, ServerPicture, Show, StateMark, stateText, Table, Title, Worded, fieldOf, usePlaced } from "../parts";
 import type { IdentificationReport, LoopReport, Warning } from "../reports";
 import type { TableFormat } from "../gen/axiscal/v1/tables_service_pb";
+import { calibrations, tables } from "../services";
 import { may } from "../session";
 import { language, t, tMaybe } from "../text";
 

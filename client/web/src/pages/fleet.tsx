@@ -289,8 +289,13 @@ function FleetTable(props: { fleet: Fleet }) {
   );
 }
 
-export function FleetPage() {
+// `onShown`: once, when the first rows stand.
+export function FleetPage(props: { onShown: () => void }) {
   const fleet = useLoad(`fleet ${language.value}`, loadFleet, everyMs);
+  const isThere = fleet.data !== undefined;
+  useEffect(() => {
+    if (isThere) props.onShown();
+  }, [isThere]);
   return (
     <>
       <Title text={t("fleetTitle")} />

@@ -1,12 +1,13 @@
 // Jobs: the list, and one job that is followed to its end.
 import { useEffect, useState } from "preact/hooks";
-import { epoch, isConnected, isSeen, jobs, jsonOf, problemOf, useLoad, type Problem } from "../api";
+import { epoch, isConnected, isSeen, jsonOf, problemOf, useLoad, type Problem } from "../api";
 import { numberText, save, secondsText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { JobState, ProgramUnit, type CompensateParams, type Job } from "../gen/axiscal/v1/job_pb";
 import { Empty, Fact, ProblemBox, Quoted, Server, Show, Table, Title } from "../parts";
 import { refusalSaid } from "../refusals";
 import { isDoubtful, type CompensationReport } from "../reports";
+import { jobs } from "../services";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
 import { Outcome } from "./outcome";

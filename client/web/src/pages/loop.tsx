@@ -1,10 +1,11 @@
 // How the loop found a calibration: what it added and what that bought, what else it might be, what to measure next.
-import { calibrations, jsonOf, useLoad } from "../api";
+import { jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
 import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
 import { germanOf, proposalSaid, todoSaid } from "../german";
 import { Empty, ErrorName, Figure, Quoted, Server, Show, Table, Title, Worded } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
+import { calibrations } from "../services";
 import { t, tMaybe } from "../text";
 import { Pictures, Warnings } from "./calibration";
 

@@ -1,7 +1,7 @@
 // One machine: what happened to it, each error over time, its calibrations and sessions, and a new calibration from them.
 import { create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
-import { all, calibrations, createJob, epoch, events, history, ingest, machines, problemOf, useLoad, type Problem, Refusal } from "../api";
+import { all, epoch, events, history, ingest, problemOf, useLoad, type Problem, Refusal } from "../api";
 import { known, open } from "../care";
 import { jumpWords, suspectWords } from "../certainty";
 import { countText, dayText, figureText, numberText, proseText, sigmaText, timeText, unitText, valueText } from "../format";
@@ -18,6 +18,7 @@ import { Asking, Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Quoted
 import { eventSaid, findingSaid, limitSaid } from "../german";
 import { isoWords } from "../iso";
 import { refusalSaid } from "../refusals";
+import { calibrations, createJob, machines } from "../services";
 import { may } from "../session";
 import { kindText } from "./events";
 import { Priority } from "./jobs";

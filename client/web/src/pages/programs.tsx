@@ -1,7 +1,7 @@
 // NC programs: drop one, choose machine and calibration, see what was corrected and what was left, take it away.
 import { create } from "@bufbuild/protobuf";
 import { useEffect, useState } from "preact/hooks";
-import { all, calibrations, createJob, epoch, ingest, jsonOf, machines, problemOf, programs, refusalOf, useLoad, watchedFetch, type Problem } from "../api";
+import { all, epoch, ingest, jsonOf, problemOf, refusalOf, useLoad, watchedFetch, type Problem } from "../api";
 import { bytesText, dayText, numberText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
@@ -9,6 +9,7 @@ import { CompensateParamsSchema, JobState, OnUnsupported, ProgramUnit, RewriteOp
 import type { Program } from "../gen/axiscal/v1/program_pb";
 import { DropZone, Empty, ProblemBox, Show, Table, Title } from "../parts";
 import type { LoopReport } from "../reports";
+import { calibrations, createJob, machines, programs } from "../services";
 import { may } from "../session";
 import { t } from "../text";
 import { lengthOf, tipOf } from "./calibration";

@@ -1,11 +1,12 @@
 // What runs by itself when sessions have come: the routines, what became of each time that they ran, and the stops of people.
 import { clone, create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
-import { epoch, machines, all, problemOf, routines, useLoad, type Problem } from "../api";
+import { epoch, all, problemOf, useLoad, type Problem } from "../api";
 import { countText, timeText } from "../format";
 import { Role, ScopeSchema, type Scope } from "../gen/axiscal/v1/access_service_pb";
 import { RoutineRunState, RoutineSchema, RoutineWork, type Routine, type RoutineRun } from "../gen/axiscal/v1/routines_service_pb";
 import { Asking, Empty, Fact, FormDialog, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
+import { machines, routines } from "../services";
 import { isAdminOfAll, may } from "../session";
 import { t, tMaybe } from "../text";
 

@@ -1,9 +1,10 @@
 // Session files and logs up, each with what became of it. A wrong one is shown with the place that the server names.
 import { useState } from "preact/hooks";
-import { all, epoch, machines, refusalOf, useLoad, watchedFetch, type Problem } from "../api";
+import { all, epoch, refusalOf, useLoad, watchedFetch, type Problem } from "../api";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { DropZone, Empty, FileField, Quoted, Show, Table, Title } from "../parts";
 import { refusalSaid } from "../refusals";
+import { machines } from "../services";
 import { may } from "../session";
 import { t } from "../text";
 

@@ -1,10 +1,11 @@
 // Addresses that are told of events: how each stands, what could not be brought there, a test. For admins of all machines.
 import { create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
-import { epoch, problemOf, useLoad, webhooks, type Problem } from "../api";
+import { epoch, problemOf, useLoad, type Problem } from "../api";
 import { countText, timeText } from "../format";
 import { WebhookSchema, type Webhook } from "../gen/axiscal/v1/webhooks_service_pb";
 import { Asking, Empty, Fact, FormDialog, ProblemBox, Quoted, Server, Show, Table, Title, fieldOf } from "../parts";
+import { webhooks } from "../services";
 import { isAdminOfAll } from "../session";
 import { t } from "../text";
 import { ScopeFields, scopeFrom, scopeText } from "./routines";
