@@ -39,8 +39,19 @@ size_t MatchLiteral(std::string_view line, size_t at, const std::string& literal
   return at;
 }
 
-// [blanks] [sign] [blanks] digits [. digits]; npos where there is none.
-size_t MatchNumber(std::string_view line, size_t at, FieldValue* value, size_t* failed) {
+// Where an exponent that begins at `at` ends; `at` where there is none.
+size_t ExponentEnd(std::string_view line, size_t at) {
+  if (at >= line.size() || (line[at] != 'e' && line[at] != 'E')) return at;
+  size_t end = at + 1;
+  if (end < line.size() && (line[end] == '-' || line[end] == '+')) ++end;
+  if (end >= line.size() || !IsDigit(line[end])) return at;
+  while (end < line.size() && IsDigit(line[end])) ++end;
+  return end;
+}
+
+// [blanks] [sign] [blanks] digits [. digits] [e [sign] digits]; npos where there is none. A decimal comma has digits
+// behind it: it may part fields, too.
+size_t MatchNumber(std::string_view line, size_t at, const LinePattern& pattern, FieldValue* value, size_t* failed) {
   at = SkipBlanks(line, at);
   std::string digits;
   if (at < line.size() && (line[at] == '-' || line[at] == '+')) {
@@ -49,17 +60,24 @@ size_t MatchNumber(std::string_view line, size_t at, FieldValue* value, size_t* 
   }
   const size_t begin = at;
   size_t point = std::string_view::npos;
-  while (at < line.size() && (IsDigit(line[at]) || (line[at] == '.' && point == std::string_view::npos))) {
-    if (line[at] == '.') point = at;
+  const auto is_point = [&] {
+    return line[at] == pattern.decimal && point == std::string_view::npos &&
+           (pattern.decimal == '.' || (at + 1 < line.size() && IsDigit(line[at + 1])));
+  };
+  while (at < line.size() && (IsDigit(line[at]) || is_point())) {
+    if (!IsDigit(line[at])) point = at;
+    digits += IsDigit(line[at]) ? line[at] : '.';
     ++at;
   }
-  digits.append(line.substr(begin, at - begin));
+  const size_t mantissa_end = at;
+  if (at > begin && pattern.may_have_exponents) at = ExponentEnd(line, at);
+  digits.append(line.substr(mantissa_end, at - mantissa_end));
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value->number);
   if (error != std::errc() || end != digits.data() + digits.size()) {
     *failed = begin == at ? begin : at;
     return std::string_view::npos;
   }
-  value->decimals = point == std::string_view::npos ? 0 : static_cast<int>(at - point - 1);
+  value->decimals = point == std::string_view::npos ? 0 : static_cast<int>(mantissa_end - point - 1);
   return at;
 }
 
@@ -82,6 +100,13 @@ Match Fail(size_t column, const std::string& expected) { return {false, {}, colu
 
 std::string NumberOf(const Piece& piece) { return "a number for " + piece.field; }
 
+// What a comma between digits may be.
+std::string CommaHint(const LinePattern& pattern, std::string_view line, size_t at) {
+  const bool is_comma = pattern.decimal == '.' && at > 0 && at + 1 < line.size() && line[at] == ',' &&
+                        IsDigit(line[at - 1]) && IsDigit(line[at + 1]);
+  return is_comma ? "; of numbers with a decimal comma the template says 'decimal: ,'" : "";
+}
+
 Match MatchTagged(const LinePattern& pattern, std::string_view line) {
   Match match;
   match.fields.resize(pattern.pieces.size());
@@ -94,11 +119,12 @@ Match MatchTagged(const LinePattern& pattern, std::string_view line) {
       found = i;
       length = tag.size();
     }
-    if (found == pattern.pieces.size()) return Fail(at, "a field of '" + pattern.text + "'");
+    if (found == pattern.pieces.size())
+      return Fail(at, "a field of '" + pattern.text + "'" + CommaHint(pattern, line, at));
     if (seen[found]) return Fail(at, pattern.pieces[found].literal + " once");
     seen[found] = true;
     size_t failed = 0;
-    at = MatchNumber(line, at + length, &match.fields[found], &failed);
+    at = MatchNumber(line, at + length, pattern, &match.fields[found], &failed);
     if (at == std::string_view::npos) return Fail(failed, NumberOf(pattern.pieces[found]));
   }
   for (size_t i = 0; i < pattern.pieces.size(); ++i) {
@@ -112,8 +138,10 @@ Match MatchTagged(const LinePattern& pattern, std::string_view line) {
 // The end of a text: where the next literal begins, or the line's end.
 size_t TextEnd(const LinePattern& pattern, size_t piece, std::string_view line, size_t at) {
   if (pattern.pieces[piece].ends_at_blank) {
-    at = SkipBlanks(line, at);
-    while (at < line.size() && !IsBlank(line[at])) ++at;
+    for (int word = 0; word < pattern.pieces[piece].words; ++word) {
+      at = SkipBlanks(line, at);
+      while (at < line.size() && !IsBlank(line[at])) ++at;
+    }
     return at;
   }
   if (piece + 1 >= pattern.pieces.size() || pattern.pieces[piece + 1].literal.empty()) return line.size();
@@ -133,7 +161,7 @@ Match MatchInOrder(const LinePattern& pattern, std::string_view line) {
     const Piece& piece = pattern.pieces[i];
     size_t failed = 0;
     at = MatchLiteral(line, at, piece.literal, &failed);
-    if (at == std::string_view::npos) return Fail(failed, "'" + piece.literal + "'");
+    if (at == std::string_view::npos) return Fail(failed, "'" + piece.literal + "'" + CommaHint(pattern, line, failed));
     if (piece.field.empty()) continue;
     if (piece.is_text) {
       const size_t end = TextEnd(pattern, i, line, at);
@@ -143,7 +171,7 @@ Match MatchInOrder(const LinePattern& pattern, std::string_view line) {
       at = end;
       continue;
     }
-    at = MatchNumber(line, at, &match.fields[i], &failed);
+    at = MatchNumber(line, at, pattern, &match.fields[i], &failed);
     if (at == std::string_view::npos) return Fail(failed, NumberOf(piece));
     // Digits that letters or a second point follow are no number.
     if (at < line.size() && i + 1 < pattern.pieces.size() && pattern.pieces[i + 1].literal.empty() &&
@@ -151,7 +179,7 @@ Match MatchInOrder(const LinePattern& pattern, std::string_view line) {
       return Fail(at, "a blank behind the number for " + piece.field);
   }
   at = SkipBlanks(line, at);
-  if (at < line.size()) return Fail(at, "the end of the line");
+  if (at < line.size()) return Fail(at, "the end of the line" + CommaHint(pattern, line, at));
   match.is_match = true;
   return match;
 }
@@ -190,7 +218,22 @@ absl::StatusOr<LinePattern> ParsePattern(const std::string& text) {
   const std::string rest = Trimmed(text.substr(at));
   if (!rest.empty()) pattern.pieces.push_back({rest, "", false});
   pattern.is_any_order = HasTags(pattern.pieces);
+  // An E behind a number may be the next tag.
+  pattern.may_have_exponents = std::none_of(pattern.pieces.begin(), pattern.pieces.end(), [](const Piece& piece) {
+    return piece.literal.starts_with('E') || piece.literal.starts_with('e');
+  });
   return pattern;
+}
+
+void MakeText(const std::string& field, int words, LinePattern* pattern) {
+  for (size_t i = 0; i < pattern->pieces.size(); ++i) {
+    Piece& piece = pattern->pieces[i];
+    if (piece.field != field) continue;
+    piece.is_text = true;
+    piece.words = words;
+    piece.ends_at_blank = i + 1 < pattern->pieces.size() && pattern->pieces[i + 1].literal.empty();
+  }
+  pattern->is_any_order = HasTags(pattern->pieces);
 }
 
 bool HasField(const LinePattern& pattern, const std::string& field) {

@@ -92,6 +92,34 @@ TEST(LinePattern, ATextEndsAtABlankWhereNothingElsePartsTheFields) {
   EXPECT_EQ(rod.fields[0].text, "standard");
 }
 
+TEST(LinePattern, NumbersMayHaveADecimalCommaOrAnExponent) {
+  LinePattern cells = Pattern("{t_s};{L_mm}");
+  const Match asked = MatchLine(cells, "1;1615,645");
+  EXPECT_FALSE(asked.is_match);
+  EXPECT_EQ(asked.column, 6u);
+  EXPECT_THAT(asked.expected, HasSubstr("the template says 'decimal: ,'"));
+  EXPECT_THAT(MatchLine(Pattern("X{X_mm} Y{Y_mm}"), "X1,5 Y2").expected, HasSubstr("'decimal: ,'"));
+  cells.decimal = ',';
+  const Match comma = MatchLine(cells, "1,5;- 1615,645");
+  ASSERT_TRUE(comma.is_match) << comma.expected;
+  EXPECT_EQ(Number(cells, comma, "t_s"), 1.5);
+  EXPECT_EQ(Number(cells, comma, "L_mm"), -1615.645);
+  EXPECT_EQ(comma.fields[1].decimals, 3);
+  EXPECT_FALSE(MatchLine(cells, "1.5;2").is_match);
+  // A comma that parts fields has no digit of a decimal behind it, or stands behind one.
+  LinePattern parted = Pattern("X{X_mm}, Y{Y_mm}");
+  parted.decimal = ',';
+  EXPECT_EQ(Number(parted, MatchLine(parted, "X1,25, Y-3"), "Y_mm"), -3.0);
+  const LinePattern small = Pattern("{dx_mm} {dy_mm}");
+  const Match exponent = MatchLine(small, "-1.25e-03 2E+01");
+  ASSERT_TRUE(exponent.is_match) << exponent.expected;
+  EXPECT_EQ(Number(small, exponent, "dx_mm"), -0.00125);
+  EXPECT_EQ(Number(small, exponent, "dy_mm"), 20.0);
+  EXPECT_EQ(exponent.fields[0].decimals, 2);
+  const LinePattern tagged = Pattern("X{X_mm} E{E_mm}");
+  EXPECT_EQ(Number(tagged, MatchLine(tagged, "X1.5E2"), "E_mm"), 2.0);
+}
+
 TEST(LinePattern, BadPatternsAreRefused) {
   for (const char* text : {"X{X_mm", "X}", "X{}", "X{X_mm} Y{X_mm}", "{*}{X_mm}", "{feature}{X_mm}"})
     EXPECT_FALSE(ParsePattern(text).ok()) << text;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/ascii.h"
+#include "absl/time/time.h"
 #include "core/base/error_detail.h"
 #include "core/session/line_reader.h"
 #include "core/session/text.h"
@@ -74,6 +76,7 @@ class Reader {
   absl::Status AddReading(size_t number, const std::string& text) {
     Match match = MatchLine(pattern_, text);
     if (match.is_match) {
+      RETURN_IF_ERROR(ReadTime(number, &match));
       log_.readings.push_back({number, std::move(match.fields), feature_});
       last_is_reading_ = true;
       last_text_ = text;
@@ -87,6 +90,29 @@ class Reader {
     may_be_cut_ = match.column >= text.size();
     failed_line_ = {number, text};
     return absl::OkStatus();  // told when another line follows, or at the end
+  }
+
+  // Seconds since the first reading, of a moment as `time:` has it.
+  absl::Status ReadTime(size_t number, Match* match) {
+    if (template_.time.empty()) return absl::OkStatus();
+    for (size_t i = 0; i < pattern_.pieces.size(); ++i) {
+      if (pattern_.pieces[i].field != "t_s") continue;
+      const std::string& text = match->fields[i].text;
+      // A form has the point before decimals of seconds; other commas stand in the form as they do in the log.
+      std::string with_points = text, why;
+      for (size_t c = 1; template_.decimal == ',' && c + 1 < text.size(); ++c) {
+        if (text[c] == ',' && absl::ascii_isdigit(text[c - 1]) && absl::ascii_isdigit(text[c + 1]))
+          with_points[c] = '.';
+      }
+      absl::Time time;
+      if (!absl::ParseTime(template_.time, with_points, &time, &why))
+        return WrongAt({number, 0, "t_s"}, absl::StrCat(name_, ": line ", number, " (t_s): ", session::Quoted(text),
+                                                        ", expected a time of the form ", template_.time, " (template ",
+                                                        template_.name, ")"));
+      if (!first_time_) first_time_ = time;
+      match->fields[i].number = absl::ToDoubleSeconds(time - *first_time_);
+    }
+    return absl::OkStatus();
   }
 
   absl::Status Announce(size_t number, double count) {
@@ -145,6 +171,7 @@ class Reader {
   std::string feature_, last_text_;
   size_t readings_before_ = 0;
   bool last_is_reading_ = false;
+  std::optional<absl::Time> first_time_;
   absl::Status failure_;
   bool may_be_cut_ = false;
   CutLine failed_line_;

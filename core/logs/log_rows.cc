@@ -21,6 +21,13 @@ bool IsAxisName(const std::string& column) {
   return session::ParseAxisColumn(column, &axis, &kind);
 }
 
+namespace {
+// Whether a rule `axis: NAME ...` speaks of the column.
+bool IsScaledBy(const std::string& name, const std::string& column) {
+  return column == name || column == name + "_mm" || column == name + "_deg";
+}
+}  // namespace
+
 bool IsFeature(const std::string& column) { return column == "feature" || column == "rod"; }
 
 absl::Status LogRows::Read(std::istream& in, const session::InstrumentFormat& format) {
@@ -82,6 +89,7 @@ absl::Status LogRows::MakePattern() {
         ": which axes the log holds follows from the machine or the plan, expected one of them or 'line:'");
   }
   ASSIGN_OR_RETURN(pattern_, ParsePattern(text));
+  pattern_.decimal = template_.decimal;
   return absl::OkStatus();
 }
 
@@ -107,10 +115,22 @@ absl::Status LogRows::CheckFields() const {
                                                    ", expected such as X_mm, B_deg, t_s, temp_C",
                                                    format_->columns.empty() ? "" : ", " + format_->columns[0].name));
   }
-  for (const auto& [axis, scale] : template_.scales) {
-    if (FieldIndex(axis + "_mm") < 0 && FieldIndex(axis + "_deg") < 0)
-      return absl::InvalidArgumentError(
-          absl::StrCat(template_.name, ": axis ", axis, " is scaled, but its line has no such field"));
+  for (const auto& [name, scale] : template_.scales) {
+    int fields = 0;
+    for (const Piece& piece : pattern_.pieces) {
+      if (!IsScaledBy(name, piece.field)) continue;
+      ++fields;
+      if (piece.is_text)
+        return absl::InvalidArgumentError(
+            absl::StrCat(template_.name, ": axis: ", name, " is scaled, but {", piece.field, "} is no number"));
+      if (piece.field != name && template_.scales.count(piece.field) > 0)
+        return absl::InvalidArgumentError(
+            absl::StrCat(template_.name, ": axis: {", piece.field, "} is scaled twice, as ", name, " too"));
+    }
+    if (fields == 0)
+      return absl::InvalidArgumentError(absl::StrCat(template_.name, ": axis: ", name,
+                                                     " is scaled, but the line has no field {", name, "}, {", name,
+                                                     "_mm} or {", name, "_deg}"));
   }
   return absl::OkStatus();
 }
@@ -134,10 +154,10 @@ absl::Status LogRows::CheckReadings() const {
 std::vector<double> LogRows::NumbersOf(int field) const {
   std::vector<double> numbers;
   for (const LogReading& reading : log_.readings) numbers.push_back(reading.fields[field].number);
-  const std::string& name = pattern_.pieces[field].field;
-  const auto scale = template_.scales.find(name.substr(0, name.find('_')));
-  if (!IsAxisName(name) || scale == template_.scales.end()) return numbers;
-  for (double& number : numbers) number = scale->second.scale * number + scale->second.offset;
+  for (const auto& [name, scale] : template_.scales) {
+    if (!IsScaledBy(name, pattern_.pieces[field].field)) continue;
+    for (double& number : numbers) number = scale.scale * number + scale.offset;
+  }
   return numbers;
 }
 

@@ -44,17 +44,17 @@ absl::Status AddUsualLines(LogTemplate* out) {
   return absl::OkStatus();
 }
 
-// "X 25.4 -390" : axis, scale, offset.
+// "X 25.4 -390" : axis or column, scale, offset.
 absl::Status ReadScale(const std::string& value, LogTemplate* out) {
   const size_t blank = value.find(' ');
   std::vector<double> numbers;
   if (blank == std::string::npos || !session::ParseNumbers(value.substr(blank), &numbers) || numbers.size() != 2 ||
       numbers[0] == 0.0 || std::abs(numbers[0]) > 1e4 || std::abs(numbers[1]) > 1e6) {
     return absl::InvalidArgumentError(session::Quoted(value) +
-                                      ", expected an axis, a scale other than 0 and an offset: 'X 25.4 0'");
+                                      ", expected an axis or a column, a scale other than 0 and an offset: 'X 25.4 0'");
   }
-  if (!out->scales.emplace(value.substr(0, blank), AxisScale{numbers[0], numbers[1]}).second)
-    return absl::InvalidArgumentError(session::Quoted(value) + ": axis " + value.substr(0, blank) + " is scaled twice");
+  if (!out->scales.emplace(value.substr(0, blank), ColumnScale{numbers[0], numbers[1]}).second)
+    return absl::InvalidArgumentError(session::Quoted(value) + ": " + value.substr(0, blank) + " is scaled twice");
   return absl::OkStatus();
 }
 
@@ -105,6 +105,17 @@ absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemp
   }
   if (rule == "axis") return ReadScale(value, out);
   if (rule == "approach") return ReadApproach(value, out);
+  if (rule == "decimal") {
+    if (value != "." && value != ",") return absl::InvalidArgumentError(session::Quoted(value) + ", expected . or ,");
+    out->decimal = value[0];
+    return absl::OkStatus();
+  }
+  if (rule == "time") {
+    if (value.find('%') == std::string::npos)
+      return absl::InvalidArgumentError(session::Quoted(value) + ", expected a form such as %d.%m.%Y %H:%M:%S");
+    out->time = value;
+    return absl::OkStatus();
+  }
   if (rule == "feature") {
     out->feature = value;
     return value.empty() ? absl::InvalidArgumentError("'', expected a feature's name") : absl::OkStatus();
@@ -117,7 +128,7 @@ absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemp
     return absl::OkStatus();
   }
   return absl::InvalidArgumentError(
-      "is no rule, expected format, line, skip, count, mark, axis, feature, approach or seconds");
+      "is no rule, expected format, line, skip, count, mark, axis, decimal, time, feature, approach or seconds");
 }
 
 absl::Status CheckWhole(const LogTemplate& out) {
@@ -126,7 +137,18 @@ absl::Status CheckWhole(const LogTemplate& out) {
   if (out.line && std::none_of(out.line->pieces.begin(), out.line->pieces.end(),
                                [](const Piece& piece) { return !piece.field.empty() && piece.field != "*"; }))
     return absl::InvalidArgumentError("line: '" + out.line->text + "' has no field, expected such as X{X_mm}");
+  if (!out.time.empty() && (!out.line || !HasField(*out.line, "t_s")))
+    return absl::InvalidArgumentError("time: expected a field {t_s} in 'line: ...', which it is the form of");
   return absl::OkStatus();
+}
+
+// What rules say of all lines, whichever stands first.
+void Finish(LogTemplate* out) {
+  const auto words = 1 + static_cast<int>(std::count(out->time.begin(), out->time.end(), ' '));
+  if (!out->time.empty()) MakeText("t_s", words, &*out->line);
+  for (std::optional<LinePattern>* const pattern : {&out->line, &out->count, &out->mark})
+    if (*pattern) (*pattern)->decimal = out->decimal;
+  for (LinePattern& skip : out->skip) skip.decimal = out->decimal;
 }
 
 }  // namespace
@@ -186,6 +208,7 @@ absl::StatusOr<LogTemplate> ParseTemplate(const std::string& text, const std::st
   }
   RETURN_IF_ERROR(base::Within(name, CheckWhole(out)));
   RETURN_IF_ERROR(AddUsualLines(&out));
+  Finish(&out);
   if (!out.header.empty()) RETURN_IF_ERROR(base::Within(name, session::ValidateHeader(out.header)));
   return out;
 }

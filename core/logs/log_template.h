@@ -20,8 +20,8 @@
 
 namespace axiscal::logs {
 
-// position = scale * logged + offset, mm or deg: work offsets, inches (25.4), diameters (0.5).
-struct AxisScale {
+// value = scale * logged + offset, in the column's unit: work offsets, inches (25.4), diameters (0.5), metres (1000).
+struct ColumnScale {
   double scale = 1.0, offset = 0.0;
 };
 
@@ -33,11 +33,13 @@ struct LogTemplate {
   std::string name;  // for messages
   std::vector<session::HeaderEntry> header;
   KnownFormat format = KnownFormat::kNone;
-  std::optional<LinePattern> line;   // one reading
-  std::vector<LinePattern> skip;     // lines that say nothing
-  std::optional<LinePattern> count;  // field {count}: how many readings follow
-  std::optional<LinePattern> mark;   // field {feature}: what the following touches are of
-  std::map<std::string, AxisScale> scales;
+  std::optional<LinePattern> line;                // one reading
+  std::vector<LinePattern> skip;                  // lines that say nothing
+  std::optional<LinePattern> count;               // field {count}: how many readings follow
+  std::optional<LinePattern> mark;                // field {feature}: what the following touches are of
+  std::map<std::string, ColumnScale> scales;      // by the name of an axis, or of a column ("px_mm", "temp_C")
+  char decimal = '.';                             // of all its numbers: '.' or ','
+  std::string time;                               // form of {t_s} as absl::ParseTime() has it; empty: seconds
   std::string feature;                            // of every touch where neither line nor mark says
   bool approach_is_feature = false;               // along the feature's inward normal on the nominal machine
   std::optional<std::array<double, 3>> approach;  // or one direction for all, machine axes

@@ -49,6 +49,9 @@ TEST(LogTemplate, WhatBreaksARuleIsNamedWithItsLine) {
   EXPECT_THAT(Refusal(header + "count: Points\n"), HasSubstr("expected a field {count}"));
   EXPECT_THAT(Refusal(header + "approach: 1 1 0\n"), HasSubstr("expected 'feature' or a unit vector"));
   EXPECT_THAT(Refusal(header + "axis: X 0 1\n"), HasSubstr("a scale other than 0"));
+  EXPECT_THAT(Refusal(header + "decimal: ;\n"), HasSubstr("line 8: decimal: ';', expected . or ,"));
+  EXPECT_THAT(Refusal(header + "time: now\n"), HasSubstr("expected a form such as %d.%m.%Y %H:%M:%S"));
+  EXPECT_THAT(Refusal(header + "line: X{X_mm}\ntime: %H:%M:%S\n"), HasSubstr("expected a field {t_s}"));
   EXPECT_THAT(Refusal(header + "seconds: -1\n"), HasSubstr("expected seconds above 0"));
   EXPECT_THAT(Refusal("format: dprnt\n" + header),
               HasSubstr("t.txt: line 2: header lines '# machine: ...' stand first"));

@@ -122,11 +122,19 @@ class Reducer {
     return absl::OkStatus();
   }
 
+  // Of a log with moments (`time:`) the first reading stands at --start-s, or at 0.
+  std::vector<double> Times(int field) const {
+    std::vector<double> times = rows_.NumbersOf(field);
+    if (!template_.time.empty())
+      for (double& time_s : times) time_s += options_.start_s.value_or(0.0);
+    return times;
+  }
+
   void FillTimes() {
     std::vector<Column>& columns = out_.session.columns;
     const int field = rows_.FieldIndex("t_s");
     if (field >= 0) {
-      columns.push_back({"t_s", rows_.NumbersOf(field), {}});
+      columns.push_back({"t_s", Times(field), {}});
     } else if (format_->has_time) {
       const Column* const plan = rows_.Planned("t_s");
       const double start_s = options_.start_s.value_or(plan != nullptr ? plan->values[0] : 0.0);
@@ -168,10 +176,13 @@ class Reducer {
       feature.texts.push_back(std::move(name));
     }
     const int fields[3] = {rows_.FieldIndex("nx"), rows_.FieldIndex("ny"), rows_.FieldIndex("nz")};
+    const bool are_logged = fields[0] >= 0 && fields[1] >= 0 && fields[2] >= 0;
+    std::vector<double> logged[3];
+    for (int i = 0; are_logged && i < 3; ++i) logged[i] = rows_.NumbersOf(fields[i]);
     for (size_t k = 0; k < count; ++k) {
       Eigen::Vector3d n;
-      if (fields[0] >= 0 && fields[1] >= 0 && fields[2] >= 0) {
-        for (int i = 0; i < 3; ++i) n[i] = rows_.readings()[k].fields[fields[i]].number;
+      if (are_logged) {
+        for (int i = 0; i < 3; ++i) n[i] = logged[i][k];
       } else if (options_.plan != nullptr) {
         for (int i = 0; i < 3; ++i) n[i] = rows_.Planned(approach[i].name)->values[k];
       } else if (template_.approach) {
@@ -368,7 +379,7 @@ class Reducer {
         return sum / static_cast<double>(touches.size());
       };
       size_t column = 0;
-      columns[column++].values.push_back(time >= 0         ? mean(rows_.NumbersOf(time))
+      columns[column++].values.push_back(time >= 0         ? mean(Times(time))
                                          : plan != nullptr ? start_s + plan->values[pose] - plan->values[0]
                                                            : start_s + static_cast<double>(first) * template_.seconds);
       for (int i = 0; i < machine.axis_count(); ++i) {

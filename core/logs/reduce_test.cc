@@ -202,6 +202,43 @@ TEST(Reduce, ScalesAndMarksApply) {
   EXPECT_EQ(session::FindColumn(reduced->session, "Z_mm")->values[0], 2.5);
 }
 
+// As a spreadsheet or a logger of a German desk writes it.
+TEST(Reduce, CommasMomentsAndOtherUnitsOfALogAreRead) {
+  const std::string rules = std::string(kHeader) +
+                            "line: {*};{t_s};{X_mm};{Y_mm};{Z_mm};{B_deg};{C_deg};{temp_C}\ndecimal: ,\n"
+                            "time: %d.%m.%Y %H:%M:%E*S\naxis: Z_mm 1000 0\naxis: temp_C 0.5 -10\n"
+                            "approach: 0 0 -1\nfeature: ball\n";
+  const std::string log =
+      "1;30.11.2026 23:59:59;-390,0;0;-0,467;0;0;60,5\n2;01.12.2026 00:00:01,5;-390,0;0;-0,467;0;0;61\n";
+  const auto reduced = ReduceText(log, rules);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  EXPECT_THAT(session::FindColumn(reduced->session, "t_s")->values, ::testing::ElementsAre(0.0, 2.5));
+  EXPECT_THAT(session::FindColumn(reduced->session, "Z_mm")->values, ::testing::ElementsAre(-467.0, -467.0));
+  EXPECT_THAT(session::FindColumn(reduced->session, "temp_C")->values, ::testing::ElementsAre(20.25, 20.5));
+  EXPECT_EQ(Refusal(ReduceText("1;30/11/2026 23:59:59;-390,0;0;-0,467;0;0;60,5\n", rules)),
+            "probe.log: line 1 (t_s): '30/11/2026 23:59:59', expected a time of the form %d.%m.%Y %H:%M:%E*S (template "
+            "t.txt)");
+  // A comma that the form has is no decimal's.
+  const std::string with_comma = std::string(kHeader) +
+                                 "line: {t_s};{X_mm};{Y_mm};{Z_mm};{B_deg};{C_deg}\ndecimal: ,\n"
+                                 "time: %d.%m.%Y, %H:%M:%E*S\napproach: 0 0 -1\nfeature: ball\n";
+  const auto commas = ReduceText(
+      "30.11.2026, 23:59:59,5;-390,0;0;-467,0;0;0\n30.11.2026, 23:59:59,75;-390,0;0;-467,0;0;0\n", with_comma);
+  ASSERT_TRUE(commas.ok()) << commas.status();
+  EXPECT_THAT(session::FindColumn(commas->session, "t_s")->values, ::testing::ElementsAre(0.0, 0.25));
+  // The approach is scaled, too: a control that writes where the stylus came from, not where it went.
+  const auto turned = ReduceText("X-390.0 Y0.0 Z-467.0 B0.0 C0.0 I0 J0 K1\n",
+                                 std::string(kHeader) +
+                                     "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{C_deg} I{nx} J{ny} K{nz}\n"
+                                     "axis: nz -1 0\nfeature: ball\n");
+  ASSERT_TRUE(turned.ok()) << turned.status();
+  EXPECT_EQ(session::FindColumn(turned->session, "nz")->values[0], -1.0);
+  const auto ruled = [&](const std::string& rule) { return Refusal(ReduceText(log, rules + rule)); };
+  EXPECT_EQ(ruled("axis: px 2 0\n"), "t.txt: axis: px is scaled, but the line has no field {px}, {px_mm} or {px_deg}");
+  EXPECT_EQ(ruled("axis: Z 2 0\n"), "t.txt: axis: {Z_mm} is scaled twice, as Z too");
+  EXPECT_EQ(ruled("axis: t_s 2 0\n"), "t.txt: axis: t_s is scaled, but {t_s} is no number");
+}
+
 // A plan brings the header, the features and where each touch should be.
 TEST(Reduce, APlanSaysWhatWasTouched) {
   const machine::Machine machine = machine::testing::MultiTasking();
