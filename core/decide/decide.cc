@@ -342,6 +342,7 @@ class Decider {
   absl::Status Settle(Extension* extension, Fit* fit, loop::Report* report) {
     constexpr int kRounds = 10;  // bounds what goes on changing; dirty readings with several effects needed six
     std::vector<std::multiset<Key>> seen = {KeysOf(*extension)};
+    bool is_asked = false;  // the last change was AskExactly()'s
     for (int round = 0; round < kRounds; ++round) {
       Extension next(machine_, check_.is_empty() ? runs_ : all_);
       search_.Run(*extension, *fit, round == 0 ? report : nullptr, &next);
@@ -363,8 +364,13 @@ class Decider {
         ASSIGN_OR_RETURN(const bool is_replaced, AskExactly(extension, fit, report));
         if (!is_replaced || round + 1 == kRounds) return absl::OkStatus();
         seen.push_back(KeysOf(*extension));
+        is_asked = true;
         continue;
       }
+      const bool is_known = std::find(seen.begin(), seen.end(), keys) != seen.end();
+      // The linearised model would take back what full fits have shown.
+      if (is_known && is_asked) return absl::OkStatus();
+      is_asked = false;
       absl::StatusOr<Fit> fitted = FitExtension(machine_, next, identify_options_);
       if (absl::IsCancelled(fitted.status())) return fitted.status();
       if (!fitted.ok()) return absl::OkStatus();
@@ -377,14 +383,16 @@ class Decider {
       }
       *extension = std::move(next);
       *fit = *std::move(fitted);
-      if (std::find(seen.begin(), seen.end(), keys) != seen.end()) return absl::OkStatus();
+      if (is_known) return AskExactly(extension, fit, report).status();  // it goes round in a circle
       seen.push_back(keys);
     }
     return absl::OkStatus();
   }
 
   // The objective of a linearised model is off by a share of what an effect explains: members of a class that come that
-  // near are fitted in full. The best takes the effect's place; those within Policy::alike of it stay its class.
+  // near are fitted in full. The best takes the effect's place, by chi-square and by how much it leaned on set-ups: the
+  // backlash of an angle on a target whose height is free in every session has an amplitude for each. Those within
+  // Policy::alike of it, with that or by chi-square alone, stay its class.
   absl::StatusOr<bool> AskExactly(Extension* extension, Fit* fit, loop::Report* report) {
     bool any = false;
     for (size_t i = 0; i < extension->effects.size(); ++i) {
@@ -395,10 +403,11 @@ class Decider {
       std::vector<machine::ErrorTerm> terms = {fit->result.model.terms[term]};
       for (const Candidate& one : added.equivalent) terms.push_back(one.term);
       const std::vector<int> first = loop::FirstOfTheSame(machine_, fit->problem.runs.front().tip_mm, terms);
-      std::vector<double> squares(terms.size(), INFINITY);
+      std::vector<double> squares(terms.size(), INFINITY), costs(terms.size(), INFINITY);
       std::vector<std::optional<machine::ErrorModel>> models(terms.size());
       models[0] = fit->result.model;
       squares[0] = loop::SquaresOf(*fit);
+      costs[0] = squares[0] + loop::LeaningOf(*fit);
       const auto fit_with = [&](size_t m) {
         machine::ErrorModel model = fit->result.model;
         model.terms[term] = terms[m];
@@ -409,11 +418,13 @@ class Decider {
       for (size_t m = 1; m < terms.size(); ++m) {
         if (first[m] < static_cast<int>(m)) {
           squares[m] = squares[first[m]];
+          costs[m] = costs[first[m]];
         } else if (++asked <= kMostAsked) {
           const absl::StatusOr<Fit> other = fit_with(m);
           if (absl::IsCancelled(other.status())) return other.status();
           if (!other.ok()) continue;
           squares[m] = loop::SquaresOf(*other);
+          costs[m] = squares[m] + loop::LeaningOf(*other);
           models[m] = other->result.model;
         }
       }
@@ -421,12 +432,12 @@ class Decider {
       members.insert(members.end(), added.equivalent.begin(), added.equivalent.end());
       // A plain name wins a tie here as it does in the search, or each would undo what the other did.
       for (size_t m = 0; m < members.size(); ++m)
-        if (loop::IsFurther(members[m].family)) squares[m] += policy_.exotic;
+        if (loop::IsFurther(members[m].family)) squares[m] += policy_.exotic, costs[m] += policy_.exotic;
       // The simplest of those that fit best.
-      const double least = *std::min_element(squares.begin(), squares.end());
+      const double least = *std::min_element(costs.begin(), costs.end());
       size_t which = terms.size();
       for (size_t m = 0; m < members.size(); ++m) {
-        if (squares[m] < least + policy_.replacement_gain &&
+        if (costs[m] < least + policy_.replacement_gain &&
             (which == terms.size() ||
              loop::Complexity(machine_, members[m]) < loop::Complexity(machine_, members[which])))
           which = m;
@@ -441,13 +452,13 @@ class Decider {
       const int fitted = first[which];
       if (models[fitted]) added.choice.as_found = *models[fitted];
       for (size_t m = 0; m < members.size(); ++m) {
-        if (m == which || !(squares[m] < squares[which] + policy_.alike)) continue;
+        if (m == which || !(std::min(squares[m] - squares[which], costs[m] - costs[which]) < policy_.alike)) continue;
         added.equivalent.push_back(members[m]);
         if (models[m] && models[fitted] && static_cast<int>(m) != fitted)
-          added.choice.rivals.push_back({*models[m], std::exp(-0.5 * (squares[m] - squares[which]))});
+          added.choice.rivals.push_back({*models[m], std::exp(-0.5 * (costs[m] - costs[which]))});
       }
       if (which == 0) continue;
-      any |= squares[0] > least + policy_.replacement_gain;
+      any |= costs[0] > least + policy_.replacement_gain;
       added.candidate = members[which];
       added.candidate.term = best->result.model.terms[term];
       *fit = *std::move(best);

@@ -1,6 +1,7 @@
 #include "core/identify/reduction.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -298,6 +299,31 @@ double OffsetsFromReadings(const Problem& problem, const Point& point, const Nor
     }
   }
   return determined;
+}
+
+double LeaningOnSetups(const Problem& problem, const NormalEquations& normal) {
+  double leaning = 0.0;
+  for (size_t g = 0; g < normal.groups.size(); ++g) {
+    const std::vector<instruments::SetupParameter>& offsets = problem.groups[g].parameters;
+    std::vector<int> stated, free;
+    for (int i = 0; i < normal.groups[g].setup_count; ++i) {
+      const instruments::SetupParameter& offset = offsets[static_cast<size_t>(i)];
+      if (!offset.held) (std::isfinite(offset.prior_sigma) ? stated : free).push_back(i);
+    }
+    const Eigen::MatrixXd& gram = normal.groups[g].gram;
+    Eigen::MatrixXd information = gram(stated, stated);
+    if (!free.empty()) {
+      const Eigen::MatrixXd by_free = gram(free, stated);
+      information -= by_free.transpose() * ScaledFactor(gram(free, free)).Solve(by_free);
+    }
+    Eigen::VectorXd sigma(information.rows());
+    for (size_t i = 0; i < stated.size(); ++i)
+      sigma[static_cast<Eigen::Index>(i)] = offsets[static_cast<size_t>(stated[i])].prior_sigma;
+    information = sigma.asDiagonal() * information * sigma.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information, Eigen::EigenvaluesOnly);
+    for (const double ruled_out : solver.eigenvalues()) leaning += std::log1p(std::max(ruled_out, 0.0));
+  }
+  return leaning;
 }
 
 }  // namespace axiscal::identify

@@ -101,6 +101,12 @@ double AmplitudesFromPriors(const Problem& problem, const Point& point, const No
 double OffsetsFromReadings(const Problem& problem, const Point& point, const NormalEquations& normal,
                            const std::vector<int>& held);
 
+// How much of what the set-ups could be the readings rule out: log det(I + V N), N the information of the readings on
+// the offsets with a prior while the errors stand and offsets without one are refitted, V the priors' variances. Of two
+// models that fit alike the one with the smaller number leaned less on its set-ups: the Occam factor of Laplace's
+// approximation (MacKay 1992, "Bayesian interpolation").
+double LeaningOnSetups(const Problem& problem, const NormalEquations& normal);
+
 }  // namespace axiscal::identify
 
 #endif  // AXISCAL_CORE_IDENTIFY_REDUCTION_H_

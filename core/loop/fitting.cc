@@ -49,6 +49,11 @@ double SquaresOf(const Fit& fit) {
   return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
 }
 
+double LeaningOf(const Fit& fit) {
+  return identify::LeaningOnSetups(
+      fit.problem, identify::Assemble(fit.problem, fit.point, identify::ListParameters(fit.point.model, false)));
+}
+
 InReadings::InReadings(const std::vector<instruments::MeasuringRun>& runs, const machine::ErrorTerm& term) {
   double squares = 0.0, basis[shapes::kMaxBasisCount];
   int count = 0;

@@ -19,6 +19,9 @@ absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::Err
 // Chi-square of a fit, its priors included.
 double SquaresOf(const identify::Fit& fit);
 
+// By how much a fit leaned on its set-ups to get there (identify::LeaningOnSetups), in units of chi-square.
+double LeaningOf(const identify::Fit& fit);
+
 // Likelihood ratio of a term that is in the model: how much chi-square its removal would cost (Wald), its length or
 // time constant kept.
 double EvidenceOf(const identify::Fit& fit, int term);

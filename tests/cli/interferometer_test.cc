@@ -118,7 +118,8 @@ TEST_F(Interferometer, FromTheLogToTheReport) {
   const auto found = Run("close-loop --machine mt --fit X-16,X-18,X-20,X-22 --check X-24");
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("+ EXX:linear"));
-  EXPECT_THAT(found.out, HasSubstr("EXX:backlash"));
+  EXPECT_THAT(found.out, HasSubstr("\n  EXX:backlash  "));
+  EXPECT_THAT(found.out, HasSubstr("EBX:backlash"));
 }
 
 // Where a new user ends up first: the travel of X typed as that of a rotary axis, an error typed as a report names it.
