@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/strings/match.h"
+#include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/log_form.h"
@@ -36,6 +37,7 @@ struct File {
 // Session files, and machine.json files of case folders.
 struct Inputs {
   std::vector<std::string> sessions, machines;
+  std::vector<std::string> passed_over;  // tables beside a folder fit/
   int kept_back = 0;  // files of folders check/: no error is ever fitted to them, so `identify --all` must not see them
 };
 
@@ -47,14 +49,18 @@ absl::StatusOr<Inputs> FindInputs(const std::vector<std::string>& paths) {
       continue;
     }
     const fs::path folder(path);
-    size_t found = inputs.sessions.size();
-    for (const fs::path& part : {folder, folder / "fit"}) {
-      for (const std::string& file : session::SessionFiles(part.string())) inputs.sessions.push_back(file);
+    // Beside fit/ stand other tables: poses.csv and truth.csv of `axiscal simulate`.
+    std::vector<std::string> files = session::SessionFiles((folder / "fit").string());
+    const std::vector<std::string> beside = session::SessionFiles(path);
+    if (files.empty()) {
+      files = beside;
+    } else {
+      inputs.passed_over.insert(inputs.passed_over.end(), beside.begin(), beside.end());
     }
+    if (files.empty())
+      return absl::InvalidArgumentError(path + ": no session files, expected *.csv in its folder fit or in it");
+    inputs.sessions.insert(inputs.sessions.end(), files.begin(), files.end());
     inputs.kept_back += static_cast<int>(session::SessionFiles((folder / "check").string()).size());
-    if (inputs.sessions.size() == found) {
-      return absl::InvalidArgumentError(path + ": no session files, expected *.csv in it or in its folder fit");
-    }
     if (fs::exists(folder / "machine.json")) inputs.machines.push_back((folder / "machine.json").string());
   }
   return inputs;
@@ -139,6 +145,10 @@ absl::Status Upload(Context& context, const UploadArguments& arguments) {
                     absl::StrCat(result->session.reading_count), result->was_there ? "was there" : "stored",
                     file.path});
   }
+  if (!inputs.passed_over.empty())
+    context.Note(
+        absl::StrCat("passed over, as they stand beside a folder fit/ (upload them by name if they are sessions): ",
+                     absl::StrJoin(inputs.passed_over, ", ")));
   if (inputs.kept_back > 0) {
     context.Note(absl::StrCat(
         inputs.kept_back,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/decide/decide.h"
+#include "core/instruments/repeated.h"
 
 namespace axiscal::decide {
 namespace {
@@ -11,25 +12,6 @@ using instruments::MeasuringRun;
 
 // The loop's share of the progress, where a simulation comes after it.
 constexpr double kLoopShare = 0.3;
-
-// A copy of a session under any name: fitted twice it would count twice, and as a check it would prove nothing.
-absl::Status CheckRepeated(const std::vector<MeasuringRun>& fit, const std::vector<MeasuringRun>& check) {
-  const auto run = [&](size_t i) -> const MeasuringRun& { return i < fit.size() ? fit[i] : check[i - fit.size()]; };
-  const auto name = [&](size_t i) {
-    return absl::StrCat(i < fit.size() ? "fit" : "check", " session '", run(i).session, "'");
-  };
-  for (size_t i = 0; i < fit.size() + check.size(); ++i) {
-    for (size_t k = 0; k < i; ++k) {
-      if (run(i).kind != run(k).kind || run(i).time_s != run(k).time_s || run(i).positions != run(k).positions ||
-          run(i).measured_mm != run(k).measured_mm)
-        continue;
-      return absl::InvalidArgumentError(
-          absl::StrCat(name(i), " holds the same readings as ", name(k),
-                       i < fit.size() ? ": they would count twice" : ": what was fitted or checked proves nothing"));
-    }
-  }
-  return absl::OkStatus();
-}
 
 // Fit and check sessions: errors that drift or follow a temperature are judged in both.
 absl::Status CheckAllRecorded(const machine::Machine& machine, const std::vector<MeasuringRun>& fit,
@@ -72,7 +54,7 @@ absl::Status Simulate(const Options& options, loop::Report* report) {
 
 absl::StatusOr<loop::Report> CloseLoop(const machine::Machine& machine, std::vector<MeasuringRun> fit,
                                        std::vector<MeasuringRun> check, const Options& options) {
-  RETURN_IF_ERROR(CheckRepeated(fit, check));
+  RETURN_IF_ERROR(instruments::CheckRepeated(fit, check));
   RETURN_IF_ERROR(CheckAllRecorded(machine, fit, check));
   RETURN_IF_ERROR(CheckBudget(fit, options));
   Options own = options;

@@ -12,6 +12,7 @@
 #include "core/identify/row_weights.h"
 #include "core/identify/solve.h"
 #include "core/instruments/plausible.h"
+#include "core/instruments/repeated.h"
 
 namespace axiscal::identify {
 namespace {
@@ -204,6 +205,7 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
 
 absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<MeasuringRun> runs,
                                 const Options& options) {
+  RETURN_IF_ERROR(instruments::CheckRepeated(runs));
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
   RETURN_IF_ERROR(CheckStandingOut(fit));
   for (reports::WarningFacts& warning : FindMovedDatum(fit)) fit.result.warnings.push_back(std::move(warning));

@@ -80,7 +80,8 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instrum
                             const Options& options);
 
 // FitRuns, and the nominal machine's fit to the same runs (Result::nominal): what an identification reports.
-// INVALID_ARGUMENT where errors are fitted and a session has a feature of which too many touches stand out.
+// INVALID_ARGUMENT where errors are fitted and a session has a feature of which too many touches stand out, and where
+// two sessions hold the same readings.
 absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                                 const Options& options);
 

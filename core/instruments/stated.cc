@@ -101,6 +101,9 @@ absl::Status BindCertifiedValues(const session::Session& session, const machine:
   return absl::OkStatus();
 }
 
+// No shop is warmer or colder, and coefficients hold no further; a room in Fahrenheit is beyond it.
+constexpr double kMostFromReferenceKelvin = 40.0;
+
 absl::Status BindExpansions(const session::Session& session, const machine::Machine& machine, MeasuringRun* run) {
   // Of each thermometer; what workpieces grow by apart from the rest, as it is no part of a reading.
   std::map<std::pair<std::string, bool>, Eigen::MatrixXd> by_kelvin;
@@ -123,6 +126,12 @@ absl::Status BindExpansions(const session::Session& session, const machine::Mach
     for (int k = 0; k < run->reading_count(); ++k) {
       const Eigen::VectorXd growth = GrowthOf(expansion, machine, *run, k);
       const double warmer_kelvin = (*celsius)[static_cast<size_t>(k)] - shapes::kReferenceTemperatureCelsius;
+      if (!(std::abs(warmer_kelvin) <= kMostFromReferenceKelvin))
+        return RefuseStated(
+            *run, absl::StrFormat("reading %d: %s = %g, expected within %g K of 20 deg C where a length grows with it "
+                                  "(%s): is it in Fahrenheit, or another column of the log?",
+                                  run->readings_before + k + 1, expansion.column, (*celsius)[static_cast<size_t>(k)],
+                                  kMostFromReferenceKelvin, expansion.text()));
       effect.mm.col(k) = expansion.per_kelvin * warmer_kelvin * growth;
       effect.by_sigma_mm.col(k) = expansion.sigma_per_kelvin * warmer_kelvin * growth;
       of_thermometer.col(k) += expansion.per_kelvin * growth;

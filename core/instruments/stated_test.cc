@@ -96,6 +96,15 @@ TEST(Stated, ABarThatIsWarm) {
   EXPECT_NEAR(run->stated[1].by_sigma_mm(0, 0), -0.345e-3, kFirstOrderMm);
 }
 
+TEST(Stated, ATemperatureInFahrenheitIsRefused) {
+  Stated bar = Bar();
+  bar.header.insert(bar.header.end(), {{"expansion bar", "11.5 0.5"}});
+  bar.columns[2].second = {68, 77.6, 59};
+  EXPECT_THAT(std::string(BoundOf(bar).status().message()),
+              HasSubstr("reading 1: temp_C = 68, expected within 40 K of 20 deg C where a length grows with it "
+                        "(expansion of bar, 11.5 +- 0.5 um/(m K)): is it in Fahrenheit"));
+}
+
 // The certified length takes the nominal one's place, and is what grows.
 TEST(Stated, ABarWithACertificate) {
   Stated bar = Bar();

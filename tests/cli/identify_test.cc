@@ -66,6 +66,18 @@ TEST_F(IdentifyCommand, HeadFirstThenTable) {
   EXPECT_THAT(text.out, Not(HasSubstr("not known")));
 }
 
+TEST_F(IdentifyCommand, CountsNoSessionTwice) {
+  std::string copy = Read("table.csv");
+  const size_t name = copy.find("# session: table");
+  ASSERT_NE(name, std::string::npos);
+  Write("copy.csv", copy.replace(name, 16, "# session: again"));
+  ASSERT_EQ(Run("upload copy.csv").exit_code, 0);
+  const Outcome twice = Run("identify --machine rtttr-bc --sessions table,again --declare EX0C,EY0C");
+  EXPECT_NE(twice.exit_code, 0);
+  EXPECT_THAT(twice.err, HasSubstr("holds the same readings as session"));
+  EXPECT_THAT(twice.err, HasSubstr("they would count twice"));
+}
+
 TEST_F(IdentifyCommand, RefusesWhatCannotBeHeld) {
   ASSERT_EQ(Run(kHead).exit_code, 0);
   ASSERT_EQ(Run("identify --machine rtttr-bc --sessions table").exit_code, 0);  // 2: cannot tell EX0B from EX0C
@@ -107,9 +119,8 @@ TEST_F(IdentifyCommand, HoldsOnlySomeErrors) {
 
 // Terms of errors.json on the command line: commas inside them separate nothing.
 TEST_F(IdentifyCommand, DeclaresTermsOfAnyShape) {
-  const Outcome outcome = Run(
-      R"(identify --machine rtttr-bc --sessions head --json )"
-      R"(--declare 'EB0B,{"symbol": "EXX", "shape": "linear"},EA0B')");
+  const Outcome outcome = Run(R"(identify --machine rtttr-bc --sessions head --json )"
+                              R"(--declare 'EB0B,{"symbol": "EXX", "shape": "linear"},EA0B')");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   ASSERT_EQ(outcome.Json()["estimates"].size(), 3u) << outcome.out;
   EXPECT_EQ(outcome.Json()["estimates"][1]["symbol"], "EXX:linear/m");

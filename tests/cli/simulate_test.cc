@@ -45,6 +45,12 @@ TEST_F(Simulate, TheLoopFindsWhatWentIn) {
   const auto loop = Run("close-loop made");
   ASSERT_EQ(loop.exit_code, 0) << loop.err;
   EXPECT_THAT(loop.out, HasSubstr("EXX:backlash"));
+  // And it is a case folder: poses.csv beside fit/ is no session.
+  ASSERT_TRUE(Exists("made/poses.csv"));
+  const auto upload = Run("upload made");
+  ASSERT_EQ(upload.exit_code, 0) << upload.err;
+  EXPECT_THAT(upload.out, HasSubstr("made/fit/00-BX.csv"));
+  EXPECT_THAT(upload.err, HasSubstr("made/poses.csv"));
 }
 
 TEST_F(Simulate, TheSameSeedGivesTheSameBytes) {
