@@ -4,6 +4,7 @@
 
 #include "core/decide/decide.h"
 #include "core/instruments/repeated.h"
+#include "core/predict/box_poses.h"
 
 namespace axiscal::decide {
 namespace {
@@ -64,7 +65,9 @@ absl::StatusOr<loop::Report> CloseLoop(const machine::Machine& machine, std::vec
       options.progress(one);
     };
   }
+  const predict::Box of_fit = predict::MeasuredBox(fit), of_check = predict::MeasuredBox(check);
   ASSIGN_OR_RETURN(loop::Report report, Decide(machine, std::move(fit), std::move(check), own));
+  report.measured = predict::RangesOf(machine, report.is_check_fitted ? predict::Around(of_fit, of_check) : of_fit);
   if (options.monte_carlo) RETURN_IF_ERROR(Simulate(options, &report));
   return report;
 }

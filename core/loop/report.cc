@@ -162,6 +162,7 @@ reports::Fitted FittedOf(const Report& found) {
            warning.kind != reports::WarningKind::kMoved && !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
+  fitted.measured = found.measured;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);
   return fitted;
 }

@@ -129,7 +129,8 @@ struct Report {
   // Effects that would leave no trace in the fit sessions: setup offsets and declared errors take them up. One of each
   // component, shape and variable, crossed variables left out.
   std::vector<machine::ErrorTerm> not_visible;
-  std::vector<std::string> axes_at_rest;  // that the fit sessions never moved: nothing is known of them
+  std::vector<reports::AxisRange> measured;  // where the readings stand that were fitted
+  std::vector<std::string> axes_at_rest;     // that the fit sessions never moved: nothing is known of them
   // Of what the effects leave (objective::DesignEffect): 1 where it is noise, more where structure is left that nothing
   // explains.
   double design_effect = 1.0;

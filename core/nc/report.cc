@@ -118,6 +118,14 @@ double AngleSpread::rms_rad() const {
   return count == 0 ? 0.0 : std::sqrt(sum_squares_rad2 / static_cast<double>(count));
 }
 
+std::vector<reports::AxisRange> PositionsOf(const RewriteReport& found) {
+  std::vector<reports::AxisRange> positions;
+  for (size_t i = 0; i < found.least.size(); ++i)
+    positions.push_back(
+        {found.axis_names[i], found.least[i], found.greatest[i], found.axis_is_rotary[i] ? "deg" : "mm"});
+  return positions;
+}
+
 reports::Rewrite ReportOf(const RewriteReport& found) {
   reports::Rewrite report;
   report.calibration = found.calibration;
@@ -147,10 +155,7 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   }
   if (found.has_orientation) report.orientation = OrientationOf(found);
   report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
-  for (size_t i = 0; i < found.least.size(); ++i) {
-    report.positions.push_back(
-        {found.axis_names[i], found.least[i], found.greatest[i], found.axis_is_rotary[i] ? "deg" : "mm"});
-  }
+  report.positions = PositionsOf(found);
   report.passed = FindingsOf(found.passed);
   report.refused = FindingsOf(found.refused);
   report.ranges_not_corrected = found.not_corrected.count;

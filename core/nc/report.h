@@ -193,6 +193,8 @@ struct RewriteReport {
 // In the terms and units of the report that is stored, sent and printed. The JSON replaces what is no UTF-8: programs
 // hold bytes of any encoding.
 reports::Rewrite ReportOf(const RewriteReport& found);
+// RewriteReport::least and `greatest` in the terms of reports.
+std::vector<reports::AxisRange> PositionsOf(const RewriteReport& found);
 
 }  // namespace axiscal::nc
 

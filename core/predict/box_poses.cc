@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/random.h"
+#include "core/base/units.h"
 
 namespace axiscal::predict {
 namespace {
@@ -60,6 +61,26 @@ Box MeasuredBox(const std::vector<MeasuringRun>& runs) {
     }
   }
   return box;
+}
+
+Box Around(const Box& one, const Box& other) {
+  if (one.low.empty() || other.low.empty()) return one.low.empty() ? other : one;
+  Box box = one;
+  for (size_t i = 0; i < box.low.size(); ++i) {
+    box.low[i] = std::min(box.low[i], other.low[i]);
+    box.high[i] = std::max(box.high[i], other.high[i]);
+  }
+  return box;
+}
+
+std::vector<reports::AxisRange> RangesOf(const machine::Machine& machine, const Box& box) {
+  std::vector<reports::AxisRange> ranges;
+  for (size_t i = 0; i < box.low.size(); ++i) {
+    const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
+    const double unit = is_rotary ? base::kDegPerRad : 1.0;
+    ranges.push_back({machine.axes[i].name, box.low[i] * unit, box.high[i] * unit, is_rotary ? "deg" : "mm"});
+  }
+  return ranges;
 }
 
 BoxPoses::BoxPoses(const Workspace& workspace) : box_(workspace.box), axes_(box_.low.size()) {

@@ -10,6 +10,7 @@
 #include "core/base/status.h"
 #include "core/instruments/run.h"
 #include "core/machine/machine.h"
+#include "core/reports/axis_range.h"
 #include "core/shapes/state.h"
 
 namespace axiscal::predict {
@@ -25,6 +26,10 @@ absl::StatusOr<Box> BoxOfTravel(const machine::Machine& machine);
 
 // Positions that the readings of `runs` covered; empty without readings.
 Box MeasuredBox(const std::vector<instruments::MeasuringRun>& runs);
+// The same in mm and deg, as reports have it.
+std::vector<reports::AxisRange> RangesOf(const machine::Machine& machine, const Box& box);
+// What lies in either; one that is empty takes nothing in.
+Box Around(const Box& one, const Box& other);
 
 // Where and in which state the tool point is looked at.
 struct Workspace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/json_like.h"
+#include "core/reports/axis_range.h"
 #include "core/reports/warning.h"
 
 namespace axiscal::reports {
@@ -21,11 +22,11 @@ inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 using Correlation = std::vector<std::vector<double>>;
 
 struct Error {
-  std::string symbol = {};                          // EX0C, EXX
-  std::string name = {};                            // the symbol, or EXX:backlash, EBB:harmonic(45).cos
+  std::string symbol = {};                      // EX0C, EXX
+  std::string name = {};                        // the symbol, or EXX:backlash, EBB:harmonic(45).cos
   double value = kNoNumber, sigma = kNoNumber;  // in `unit`; sigma: standard uncertainty
-  std::string unit = {};                            // um, urad, um/m ...
-  bool identifiable = true;                    // false: the sessions cannot tell, there is no number
+  std::string unit = {};                        // um, urad, um/m ...
+  bool identifiable = true;                     // false: the sessions cannot tell, there is no number
 };
 
 // What the sessions determine although they cannot tell its members: "EX0B + EX0C".
@@ -75,10 +76,10 @@ struct Statistics {
 
 struct SimulatedError {
   std::string name = {};
-  double value = kNoNumber;                     // the truth of the simulation, in `unit` as all of these
+  double value = kNoNumber;  // the truth of the simulation, in `unit` as all of these
   double mean = kNoNumber, sigma = kNoNumber;
-  double low = kNoNumber, high = kNoNumber;     // 95 %
-  double linear_sigma = kNoNumber;              // by linear propagation
+  double low = kNoNumber, high = kNoNumber;  // 95 %
+  double linear_sigma = kNoNumber;           // by linear propagation
   std::string unit = {};
 };
 
@@ -98,9 +99,10 @@ struct MonteCarlo {
 
 struct Fitted {
   std::vector<Error> errors = {};
-  double coverage_factor = kNoNumber;      // value +- this many sigma is the 95 % interval
+  double coverage_factor = kNoNumber;           // value +- this many sigma is the 95 % interval
   std::vector<std::string> not_separable = {};  // directions that change no reading: "EX0B - EX0C"
   std::vector<Combination> determined = {};
+  std::vector<AxisRange> measured = {};  // where the readings stand, of each axis; empty: not known
   std::vector<Warning> warnings = {};
   std::vector<Outlier> outliers = {};
   std::vector<SessionFit> sessions = {};

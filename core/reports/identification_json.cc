@@ -23,6 +23,7 @@ template <typename Io>
 void Members(Io& io, base::Like<Io, Identification> report) {
   io.Member("errors", report.fitted.errors);
   io.Member("not_separable", report.fitted.not_separable);
+  io.IfAny("measured", report.fitted.measured);
   io.Member("determined", report.fitted.determined);
   io.Member("coverage_factor", report.fitted.coverage_factor);
   io.Member("rank", report.rank);
@@ -49,8 +50,6 @@ absl::StatusOr<Identification> ReadIdentification(const nlohmann::ordered_json& 
   return ReadReport<Identification>(document);
 }
 
-absl::StatusOr<Identification> ReadIdentification(const std::string& text) {
-  return ReadReport<Identification>(text);
-}
+absl::StatusOr<Identification> ReadIdentification(const std::string& text) { return ReadReport<Identification>(text); }
 
 }  // namespace axiscal::reports

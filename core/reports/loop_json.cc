@@ -155,6 +155,7 @@ void Members(Io& io, base::Like<Io, Loop> report) {
   io.Member("errors", report.fitted.errors);
   io.Member("coverage_factor", report.fitted.coverage_factor);
   io.Member("not_separable", report.fitted.not_separable);
+  io.IfAny("measured", report.fitted.measured);
   io.Member("determined", report.fitted.determined);
   io.Member("warnings", report.fitted.warnings);
   io.IfAny("stated", report.fitted.stated);

@@ -130,6 +130,37 @@ std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecor
   return notes;
 }
 
+std::optional<nc::Remark> NoteOnUnmeasured(const records::CalibrationRecord& calibration,
+                                           const std::vector<reports::AxisRange>& positions) {
+  const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
+  if (!report.ok()) return std::nullopt;
+  // What is measured beside a position holds there too: errors do not change within so little.
+  constexpr double kShareOfSpan = 0.1, kLeastMm = 1.0, kLeastDeg = 0.5;
+  std::string beyond;
+  for (const reports::AxisRange& measured : reports::FittedOf(*report).measured) {
+    const auto gone = std::find_if(positions.begin(), positions.end(),
+                                   [&](const reports::AxisRange& one) { return one.axis == measured.axis; });
+    if (gone == positions.end()) continue;
+    const bool is_linear = measured.unit == "mm";
+    const double span = measured.to - measured.from;
+    const double margin = std::max(kShareOfSpan * span, is_linear ? kLeastMm : kLeastDeg);
+    // The same place on another turn is measured too; a whole turn is all that there is.
+    constexpr double kTurnDeg = 360.0;
+    if (!is_linear && span + margin >= kTurnDeg) continue;
+    const double turns =
+        is_linear ? 0.0 : std::round((0.5 * (gone->from + gone->to) - measured.from - 0.5 * span) / kTurnDeg);
+    const double from = gone->from - turns * kTurnDeg, to = gone->to - turns * kTurnDeg;
+    if (!(from < measured.from - margin || to > measured.to + margin)) continue;
+    absl::StrAppend(&beyond, beyond.empty() ? "" : ", ",
+                    absl::StrFormat("%s from %.6g to %.6g %s (measured: %.6g to %.6g)", gone->axis, gone->from,
+                                    gone->to, gone->unit, measured.from, measured.to));
+  }
+  if (beyond.empty()) return std::nullopt;
+  return nc::Remark{"not-measured-there",
+                    absl::StrCat("the program goes where calibration ", calibration.id.number(),
+                                 " was not measured: ", beyond, ". How right the correction is there is not known")};
+}
+
 Doubts DoubtsOf(const records::CalibrationRecord& calibration) {
   const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
   if (!report.ok()) return {};

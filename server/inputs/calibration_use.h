@@ -2,12 +2,14 @@
 #ifndef AXISCAL_SERVER_INPUTS_CALIBRATION_USE_H_
 #define AXISCAL_SERVER_INPUTS_CALIBRATION_USE_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/status.h"
 #include "core/machine/machine.h"
 #include "core/nc/remark.h"
+#include "core/reports/axis_range.h"
 #include "core/reports/loop.h"
 #include "core/reports/warning.h"
 #include "server/storage/database.h"
@@ -36,6 +38,11 @@ absl::Status CheckTables(storage::Database& database, const records::Calibration
 // like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users
 // of the correction must know: one line for each.
 std::vector<nc::Remark> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
+
+// Where a program goes further than the calibration's sessions did: `positions` of the axes at the ends of what was
+// corrected. Nothing where the calibration's report does not say where it was measured.
+std::optional<nc::Remark> NoteOnUnmeasured(const records::CalibrationRecord& calibration,
+                                           const std::vector<reports::AxisRange>& positions);
 
 // What the calibration's own report says against it, which whoever corrects with it must know: its warnings, and what
 // the loop found to be no error of the machine (a tool length that is wrong). Empty where its report cannot be read.

@@ -43,6 +43,8 @@ absl::StatusOr<Filled> WithProfile(const records::MachineRecord& record, const r
 
 void Compensation::AddTo(nc::RewriteReport* report) const {
   report->notes.insert(report->notes.end(), notes.begin(), notes.end());
+  if (const std::optional<nc::Remark> note = NoteOnUnmeasured(calibration, nc::PositionsOf(*report)))
+    report->notes.push_back(*note);
   report->calibration_warnings = doubts.warnings;
   report->calibration_causes = doubts.causes;
 }

@@ -3,6 +3,7 @@
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
 #include "core/identify/report.h"
+#include "core/predict/box_poses.h"
 #include "proto/convert/job_params.h"
 #include "server/inputs/job_inputs.h"
 #include "server/jobs/asked_json.h"
@@ -78,6 +79,7 @@ absl::StatusOr<storage::JobProduct> RunIdentify(storage::Database& database, con
   storage::JobProduct product;
   reports::Identification report = identify::ReportOf(after);
   report.before = identify::BeforeOf(before.result);
+  report.fitted.measured = predict::RangesOf(input.machine, predict::MeasuredBox(fit.problem.runs));
   report.fitted.budget_json = params.budget_json;
   if (monte_carlo) report.fitted.monte_carlo = identify::ReportOf(*monte_carlo);
   product.result = reports::ToJson(report);

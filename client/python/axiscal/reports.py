@@ -121,6 +121,14 @@ class MeasuredIn:
 
 
 @dataclasses.dataclass(frozen=True)
+class AxisRange:
+    axis: str
+    from_: float = dataclasses.field(default=0.0, metadata={"member": "from"})
+    to: float = 0.0
+    unit: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
 class Held:
     errors: Tuple[HeldError, ...] = ()
     correlation: Correlation = ()
@@ -131,6 +139,7 @@ class Held:
 class Identification:
     errors: Tuple[Error, ...] = ()
     not_separable: Tuple[str, ...] = ()
+    measured: Tuple[AxisRange, ...] = ()  # where the readings stand; empty: not known
     determined: Tuple[Combination, ...] = ()
     coverage_factor: Optional[float] = None  # value +- this many sigma is the 95 % interval
     rank: int = 0
@@ -197,14 +206,6 @@ class Check:
     before: Statistics = Statistics()
     after: Statistics = Statistics()
     fitted: bool = False  # the check sessions were fitted too and prove nothing
-
-
-@dataclasses.dataclass(frozen=True)
-class AxisRange:
-    axis: str
-    from_: float = dataclasses.field(default=0.0, metadata={"member": "from"})
-    to: float = 0.0
-    unit: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -287,6 +288,7 @@ class Loop:
     errors: Tuple[Error, ...] = ()
     coverage_factor: Optional[float] = None
     not_separable: Tuple[str, ...] = ()
+    measured: Tuple[AxisRange, ...] = ()  # where the readings stand; empty: not known
     determined: Tuple[Combination, ...] = ()
     warnings: Tuple[Warning, ...] = ()
     fit: BeforeAfter = BeforeAfter()

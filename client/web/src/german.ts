@@ -209,6 +209,7 @@ export const proposalSaid = (one: { test?: string; session: string | null }): Sa
 const kNotes: Record<string, string> = {
   "not-carried": "Ein Fehler ist nicht korrigiert: ein Programm kann ihm nicht folgen, oder eine Angabe fehlt.",
   "not-told-apart": "Diese Kalibrierung kann Fehler nicht trennen: die Korrektur gilt in Stellungen wie den gemessenen, anderswo ist das nicht bekannt.",
+  "not-measured-there": "Das Programm fährt weiter, als die Messungen dieser Kalibrierung reichen; wie richtig die Korrektur dort ist, ist nicht bekannt.",
   "apart-not-known": "Was diese Kalibrierung nicht trennen kann, ist nicht bekannt.",
   profile: "Das stand in der Maschinenbeschreibung und galt für dieses Programm.",
   "compensated-before": "Dieses Programm wurde schon einmal kompensiert.",
