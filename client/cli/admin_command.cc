@@ -7,6 +7,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 
@@ -244,7 +245,7 @@ void AddTokenCommands(CLI::App* admin, Context& context, const Arguments& argume
   add->add_option("-o,--output", arguments->output, "write it into this file, for its owner alone, and do not show it");
   SetAction(add, context, [&context, arguments] { return AddToken(context, *arguments); });
   CLI::App* revoke = token->add_subcommand("revoke", "End one token");
-  revoke->add_option("TOKEN", arguments->token, "its number (principal list)")->required()->check(CLI::PositiveNumber);
+  revoke->add_option("TOKEN", arguments->token, "its number (principal list)")->required()->check(PositiveNumber());
   SetAction(revoke, context, [&context, arguments] { return RevokeToken(context, *arguments); });
 }
 

@@ -4,6 +4,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 
 namespace axiscal::cli {
@@ -35,9 +36,9 @@ absl::Status Approve(Context& context, const ApproveArguments& arguments) {
 void AddApproveCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ApproveArguments>();
   CLI::App* approve = app.add_subcommand("approve", "Put a calibration in use; the machine's former one retires");
-  approve->add_option("CALIBRATION", arguments->calibration, "its number")->required()->check(CLI::PositiveNumber);
+  approve->add_option("CALIBRATION", arguments->calibration, "its number")->required()->check(PositiveNumber());
   approve->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   approve->add_option("--reason", arguments->reason, "why, for the audit");
   approve->footer(
       "Approving an older version is the way back. Whom the server takes you for is written down as who approved.\n"

@@ -4,6 +4,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 
 namespace axiscal::cli {
@@ -81,7 +82,7 @@ void AddCalibrationCommand(CLI::App& app, Context& context) {
   std::vector<std::string> states;
   for (const auto& [name, state] : kCalibrationStates) states.push_back(name);
   list->add_option("--state", arguments->state, "in this state only")->check(CLI::IsMember(states));
-  list->add_option("--session", arguments->session, "that stand on this session only")->check(CLI::PositiveNumber);
+  list->add_option("--session", arguments->session, "that stand on this session only")->check(PositiveNumber());
   list->add_option("--from", arguments->from, "measured at or after this UTC time (2026-05-31 or 2026-05-31T14:03:07)");
   list->add_option("--to", arguments->to, "measured before this UTC time");
   list->add_option("--page-size", arguments->page_size, "calibrations per page (1 to 1000)")
@@ -91,16 +92,16 @@ void AddCalibrationCommand(CLI::App& app, Context& context) {
 
   CLI::App* show = calibration->add_subcommand(
       "show", "Errors with uncertainties, what the data could not tell, rms before and after");
-  show->add_option("ID", arguments->id, "its number")->check(CLI::PositiveNumber);
+  show->add_option("ID", arguments->id, "its number")->check(PositiveNumber());
   show->add_option("--approved", arguments->approved_of, "the one in use on this machine");
   show->footer(
       "With --json also the model, the whole report (correlations, set-ups, outliers) and where it comes from.");
   SetAction(show, context, [&context, arguments] { return Show(context, *arguments); });
 
   CLI::App* retire = calibration->add_subcommand("retire", "Take a calibration out of use, or give a candidate up");
-  retire->add_option("ID", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  retire->add_option("ID", arguments->id, "its number")->required()->check(PositiveNumber());
   retire->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   retire->add_option("--reason", arguments->reason, "why, for the audit");
   retire->footer(
       "It stays readable, and approve puts it back in use.\n"

@@ -5,6 +5,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 
 namespace axiscal::cli {
@@ -97,12 +98,12 @@ void AddEventsCommand(CLI::App& app, Context& context) {
   });
 
   CLI::App* ack = events->add_subcommand("ack", "Say that you have seen it, and a word");
-  ack->add_option("EVENT", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  ack->add_option("EVENT", arguments->id, "its number")->required()->check(PositiveNumber());
   ack->add_option("--note", arguments->note, "your word")->required();
   SetAction(ack, context, [&context, arguments] { return Acknowledge(context, *arguments); });
 
   CLI::App* shelve = events->add_subcommand("shelve", "Nobody needs to hear of it until a time");
-  shelve->add_option("EVENT", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  shelve->add_option("EVENT", arguments->id, "its number")->required()->check(PositiveNumber());
   shelve->add_option("--until", arguments->until, "UTC (2026-05-12 or 2026-05-12T14:00:00), within a year");
   shelve->add_flag("--back", arguments->is_back, "it is back at once");
   shelve->add_option("--note", arguments->note, "in your words");

@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/job_wait.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 
 namespace axiscal::cli {
@@ -109,7 +110,7 @@ void AddJobsCommand(CLI::App& app, Context& context) {
 
   const auto add = [&](const std::string& name, const std::string& help, auto run) {
     CLI::App* command = jobs->add_subcommand(name, help);
-    command->add_option("JOB", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+    command->add_option("JOB", arguments->id, "its number")->required()->check(PositiveNumber());
     SetAction(command, context, [&context, arguments, run] { return run(context, *arguments); });
   };
   add("watch", "Follow a job to its end; the exit code is the job's outcome", Watch);

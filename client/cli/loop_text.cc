@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_join.h"
 #include "client/cli/output.h"
 
@@ -24,6 +25,29 @@ std::vector<std::string> NamesOf(const std::vector<reports::NamedTerm>& terms) {
   return names;
 }
 
+// What `is` may be instead: of its own name with another time constant or length, which the name does not say.
+std::vector<std::string> NamesBeside(const reports::NamedTerm& is, const std::vector<reports::NamedTerm>& terms) {
+  std::vector<std::string> names;
+  for (const reports::NamedTerm& one : terms) {
+    std::string name = one.name;
+    if (name == is.name && one.term.tau_s)
+      absl::StrAppend(&name, absl::StrFormat(" of time constant %.3g s (here %.3g s)", *one.term.tau_s,
+                                             is.term.tau_s.value_or(0.0)));
+    else if (name == is.name && one.term.length_mm)
+      absl::StrAppend(&name, absl::StrFormat(" of length %.3g mm", *one.term.length_mm));
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+// Names that a proposal leaves beside its effect.
+std::string NamesLeft(const reports::Proposal& proposal) {
+  std::vector<std::string> names = proposal.remaining;
+  for (std::string& name : names)
+    if (name == proposal.effect) name = "the same with another time constant or length";
+  return Names(names);
+}
+
 // What the amplitude of a shape means where its unit does not say it, and the shape's own length or time.
 std::string ReferenceText(const machine::WrittenTerm& term) {
   if (term.shape == "backlash") return " peak to peak";
@@ -42,7 +66,7 @@ std::string EffectText(const reports::Effect& effect) {
       absl::StrFormat("  %-24s %10.4g +- %.2g %s%s, %.3g um rms in the readings\n", effect.is.name, effect.amplitude,
                       effect.amplitude_sigma, effect.unit, ReferenceText(effect.is.term), effect.rms_um);
   const std::vector<std::string>& same = effect.same_always;
-  std::vector<std::string> others = NamesOf(effect.equivalent);
+  std::vector<std::string> others = NamesBeside(effect.is, effect.equivalent);
   std::erase_if(others,
                 [&same](const std::string& name) { return std::find(same.begin(), same.end(), name) != same.end(); });
   if (!others.empty()) absl::StrAppend(&text, "      these sessions cannot tell it from ", Names(others), "\n");
@@ -61,7 +85,7 @@ std::string EffectText(const reports::Effect& effect) {
 
 // A session that tells the members of a class apart: what to measure, and what it brings.
 std::string ProposalText(const reports::Proposal& proposal) {
-  if (!proposal.test) return "  no known test tells " + proposal.effect + " from " + Names(proposal.remaining) + "\n";
+  if (!proposal.test) return "  no known test tells " + proposal.effect + " from " + NamesLeft(proposal) + "\n";
   const reports::ProposedTest& test = *proposal.test;
   std::string text = absl::StrFormat("  %s (%s)\n", test.text, test.test);
   if (!test.beyond.empty()) absl::StrAppend(&text, "      moves ", test.beyond, "\n");
@@ -74,7 +98,7 @@ std::string ProposalText(const reports::Proposal& proposal) {
                   absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", test.correlation_before,
                                   test.correlation_after, test.expected_chi2));
   if (!proposal.remaining.empty())
-    absl::StrAppend(&text, "      leaves ", proposal.effect, " with ", Names(proposal.remaining), "\n");
+    absl::StrAppend(&text, "      leaves ", proposal.effect, " with ", NamesLeft(proposal), "\n");
   return text;
 }
 
@@ -116,6 +140,23 @@ std::string PartText(const reports::Unexplained& part) {
   }
   return absl::StrFormat("  %s from %.6g to %.6g %s: local structure without a name, %.3g um rms\n", part.variable,
                          part.from, part.to, part.unit, part.rms_um);
+}
+
+// A tracker that is knocked takes all that it sees with it; its references then tell it from the machine.
+std::string KnockText(const reports::Loop& report, const reports::Unexplained& part) {
+  if (part.variable != "t" || !part.slip) return "";
+  for (const reports::SessionFit& session : report.fitted.sessions) {
+    const bool has_references = std::any_of(session.setup.begin(), session.setup.end(), [](const auto& offset) {
+      return absl::StartsWith(offset.first, "reference_");
+    });
+    if (session.in.session == part.session && has_references)
+      return absl::StrFormat(
+          "      or the tracker was knocked: then \"# knocked_s: %.6g\" in the session's header lets its references "
+          "tell "
+          "it from the machine\n",
+          0.5 * (part.from + part.to));
+  }
+  return "";
 }
 
 const char* KindText(reports::CauseKind kind) {
@@ -260,7 +301,7 @@ std::string HeldBackText(const reports::Loop& report) {
 std::string UnexplainedText(const reports::Loop& report) {
   if (report.unexplained.empty()) return "";
   std::string text = "unexplained:\n";
-  for (const reports::Unexplained& part : report.unexplained) text += PartText(part);
+  for (const reports::Unexplained& part : report.unexplained) text += PartText(part) + KnockText(report, part);
   return text;
 }
 

@@ -47,6 +47,33 @@ TEST(LoopText, AmplitudesSayWhatTheyAreTheAmplitudeOf) {
   EXPECT_THAT(LoopText(ReportOf(Effect("EB0B", "constant", "urad"))), HasSubstr("+- 0.02 urad, 0.9 um rms"));
 }
 
+TEST(LoopText, AnotherTimeConstantIsNotTheSame) {
+  reports::Effect late = Effect("EXX:thermal-lag(X,temp_C)", "thermal-lag", "um/(K m)");
+  late.is.term.tau_s = 0.0;
+  late.equivalent.push_back(late.is);
+  late.equivalent[0].term.tau_s = 66.5;
+  EXPECT_THAT(LoopText(ReportOf(late)),
+              HasSubstr("cannot tell it from EXX:thermal-lag(X,temp_C) of time constant 66.5 s (here 0 s)\n"));
+}
+
+// Only of a session whose references could tell.
+TEST(LoopText, ATrackerMayHaveBeenKnocked) {
+  reports::Loop report = ReportOf(Effect("EB0B", "constant", "urad"));
+  reports::Unexplained part;
+  part.kind = reports::PartKind::kSlip;
+  part.variable = "t";
+  part.session = "tracker";
+  part.from = 310.0;
+  part.to = 320.0;
+  part.slip = reports::Slip{};
+  report.unexplained = {part};
+  report.fitted.sessions.resize(1);
+  report.fitted.sessions[0].in.session = "tracker";
+  EXPECT_THAT(LoopText(report), Not(HasSubstr("knocked")));
+  report.fitted.sessions[0].setup = {{"frame_x", {}}, {"reference_r1_x", {}}};
+  EXPECT_THAT(LoopText(report), HasSubstr("\"# knocked_s: 315\""));
+}
+
 TEST(LoopText, SaysWhatIsNoErrorOfTheMachine) {
   reports::Loop report;
   EXPECT_THAT(LoopText(report), Not(HasSubstr("no errors of the machine")));

@@ -4,6 +4,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
@@ -159,7 +160,7 @@ void AddMachineCommand(CLI::App& app, Context& context) {
 
   CLI::App* show = machine->add_subcommand("show", "Print a machine's description");
   show->add_option("ID", arguments->id, "the machine")->required();
-  show->add_option("--revision", arguments->revision, "an earlier revision")->check(CLI::PositiveNumber);
+  show->add_option("--revision", arguments->revision, "an earlier revision")->check(PositiveNumber());
   SetAction(show, context, [&context, arguments] { return Show(context, *arguments); });
 
   CLI::App* explain = machine->add_subcommand(

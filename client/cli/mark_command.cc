@@ -5,6 +5,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 
 namespace axiscal::cli {
@@ -89,7 +90,7 @@ void AddMarkCommand(CLI::App& app, Context& context) {
   SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
 
   CLI::App* withdraw = mark->add_subcommand("withdraw", "Withdraw a mark that was a mistake: it counts no more");
-  withdraw->add_option("MARK", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  withdraw->add_option("MARK", arguments->id, "its number")->required()->check(PositiveNumber());
   SetAction(withdraw, context, [&context, arguments] { return Withdraw(context, *arguments); });
 }
 

@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/output_paths.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 
@@ -60,7 +61,7 @@ void AddProgramCommand(CLI::App& app, Context& context) {
   SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
 
   CLI::App* get = program->add_subcommand("get", "Write a stored program to a file, byte for byte");
-  get->add_option("ID", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  get->add_option("ID", arguments->id, "its number")->required()->check(PositiveNumber());
   get->add_option("-o,--output", arguments->output, "the file")->required();
   SetAction(get, context, [&context, arguments] { return Get(context, *arguments); });
 }

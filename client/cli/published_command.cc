@@ -6,6 +6,7 @@
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
 #include "client/cli/machine_source.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "client/cli/session_choice.h"
@@ -138,7 +139,7 @@ void AddPublishedCommand(CLI::App& app, Context& context) {
   AddUnitOption(*published, arguments->rewrite);
   CLI::Option* calibration = published->add_option("--calibration", arguments->calibration,
                                                    "of a compensation: this one instead of the approved one");
-  calibration->check(CLI::PositiveNumber);
+  calibration->check(PositiveNumber());
   published
       ->add_option("--errors", arguments->errors,
                    "of a compensation: errors.json in um and urad, or a calibration as --json prints it: with sigmas")

@@ -124,10 +124,15 @@ Json ToJson(const records::Estimate& estimate) {
 
 Json ToJson(const records::CalibrationRecord& record) {
   const records::NewCalibration& content = record.content;
-  Json sessions = Json::Array(), rejected = Json::Array(), estimates = Json::Array();
+  Json sessions = Json::Array(), rejected = Json::Array(), estimates = Json::Array(), decisions = Json::Array();
   for (const SessionId& id : content.sessions) sessions.push_back(id.number());
   for (const SessionId& id : record.rejected_sessions) rejected.push_back(id.number());
   for (const records::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
+  for (const records::Decision& decision : record.decisions)
+    decisions.push_back({{"at", TimeJson(decision.at)},
+                         {"by", decision.by},
+                         {"state", StateName(decision.became)},
+                         {"reason", decision.reason}});
   Json json = {{"id", record.id.number()},
                {"machine", content.machine.text()},
                {"version", record.version},
@@ -149,6 +154,7 @@ Json ToJson(const records::CalibrationRecord& record) {
                {"machine_revision", content.machine_revision},
                {"engine_version", content.engine_version}};
   if (record.job) json["job"] = record.job->number();
+  if (!record.decisions.empty()) json["decisions"] = decisions;
   if (!content.options_json.empty()) json["options"] = Json::Document(content.options_json);
   if (!content.model_json.empty()) json["model"] = Json::Document(content.model_json);
   if (!content.report_json.empty()) json["report"] = Json::Document(content.report_json);
@@ -442,6 +448,9 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
                                   ", version ", record.version, ", ", StateName(record.state), "\n");
   if (!record.rejected_sessions.empty())
     absl::StrAppend(&text, "it counts in no history: rejected was session ", RejectedText(record), "\n");
+  for (const records::Decision& decision : record.decisions)
+    absl::StrAppend(&text, StateName(decision.became), " ", TimeText(decision.at), " by ", decision.by,
+                    decision.reason.empty() ? "" : ": ", decision.reason, "\n");
   std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "unit", ""}};
   for (const records::Estimate& estimate : content.estimates) {
     rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),
@@ -471,6 +480,13 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
   absl::StrAppend(&text, "with the set-ups fitted", held.empty() ? " " : " and the held errors ",
                   NumberText(content.rms_before_um), " um, with these errors too ", NumberText(content.rms_after_um),
                   " um\n");
+  if (content.chi2_per_dof)
+    absl::StrAppend(&text, "chi-square per degree of freedom: ", NumberText(*content.chi2_per_dof),
+                    " (1: what is left scatters as the sessions state)\n");
+  if (identification != nullptr && content.estimates.empty())
+    text +=
+        "no error was fitted: machine.json declares none; name them with --declare or --model, or let axiscal "
+        "close-loop look\n";
   if (identification != nullptr) absl::StrAppend(&text, MonteCarloText(identification->fitted, with_held));
   return text + UnreadText(record, report.status()) + PoorFitText(record, false);
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "client/cli/positive_number.h"
 #include "client/cli/tool_table.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
@@ -46,7 +47,7 @@ void AddModelOptions(CLI::App& command, std::string& machine, std::string& error
   command.add_option("--machine", machine, "a stored machine; with --errors its machine.json")->required();
   CLI::Option* chosen =
       command.add_option("--calibration", calibration, "this calibration instead of the approved one");
-  chosen->check(CLI::PositiveNumber);
+  chosen->check(PositiveNumber());
   command.add_option("--errors", errors, "errors.json in um and urad: needs no database")->excludes(chosen);
 }
 

@@ -6,6 +6,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/output_paths.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "core/session/write_session.h"
 
@@ -106,12 +107,12 @@ void AddSessionCommand(CLI::App& app, Context& context) {
   SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
 
   CLI::App* get = session->add_subcommand("get", "Write a stored session to a file");
-  get->add_option("ID", arguments->id, "number of the session")->required()->check(CLI::PositiveNumber);
+  get->add_option("ID", arguments->id, "number of the session")->required()->check(PositiveNumber());
   get->add_option("-o,--output", arguments->output, "the file")->required();
   SetAction(get, context, [&context, arguments] { return Get(context, *arguments); });
 
   CLI::App* annotate = session->add_subcommand("annotate", "Say something of a session: replaces its note and labels");
-  annotate->add_option("ID", arguments->id, "number of the session")->required()->check(CLI::PositiveNumber);
+  annotate->add_option("ID", arguments->id, "number of the session")->required()->check(PositiveNumber());
   annotate->add_option("--note", arguments->note, "in your words; without it there is none");
   annotate->add_option("--label", arguments->labels, "a short word that lists may be held to; as often as needed");
   SetAction(annotate, context, [&context, arguments] { return Annotate(context, *arguments); });
@@ -121,7 +122,7 @@ void AddSessionCommand(CLI::App& app, Context& context) {
         session->add_subcommand(is_rejected ? "reject" : "accept",
                                 is_rejected ? "Say that a session does not count; what stands on it is marked"
                                             : "Say that a session which was rejected counts again");
-    command->add_option("ID", arguments->id, "number of the session")->required()->check(CLI::PositiveNumber);
+    command->add_option("ID", arguments->id, "number of the session")->required()->check(PositiveNumber());
     command->add_option("--note", arguments->note, "why")->required();
     SetAction(command, context,
               [&context, arguments, is_rejected] { return Reject(context, *arguments, is_rejected); });

@@ -6,6 +6,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/log_form.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "client/spool/sender.h"
 #include "client/spool/spool.h"
@@ -175,7 +176,7 @@ void AddSpoolCommand(CLI::App& app, Context& context) {
   SetAction(send, context, [&context, arguments] { return SendSpool(context, *arguments); });
 
   CLI::App* retry = command("retry", "What was quarantined waits again");
-  retry->add_option("NUMBER", arguments->number, "its number")->required()->check(CLI::PositiveNumber);
+  retry->add_option("NUMBER", arguments->number, "its number")->required()->check(PositiveNumber());
   SetAction(retry, context, [&context, arguments] { return MoveEntry(context, *arguments, &spool::Spool::Retry); });
 
   CLI::App* resend = command("resend",
@@ -189,7 +190,7 @@ void AddSpoolCommand(CLI::App& app, Context& context) {
   });
 
   CLI::App* drop = command("drop", "What was quarantined goes for good");
-  drop->add_option("NUMBER", arguments->number, "its number")->required()->check(CLI::PositiveNumber);
+  drop->add_option("NUMBER", arguments->number, "its number")->required()->check(PositiveNumber());
   SetAction(drop, context, [&context, arguments] { return MoveEntry(context, *arguments, &spool::Spool::Drop); });
 }
 

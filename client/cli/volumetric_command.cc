@@ -5,6 +5,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "core/session/text.h"
 
@@ -168,7 +169,7 @@ void AddVolumetricCommand(CLI::App& app, Context& context) {
   CLI::App* volumetric =
       app.add_subcommand("volumetric", "How far the tool point is off over a box, before and after a calibration");
   CLI::Option* const id =
-      volumetric->add_option("CALIBRATION", arguments->calibration, "of this calibration")->check(CLI::PositiveNumber);
+      volumetric->add_option("CALIBRATION", arguments->calibration, "of this calibration")->check(PositiveNumber());
   CLI::Option* const machine =
       volumetric->add_option("--machine", arguments->machine, "of all calibrations of this machine, newest first")
           ->excludes(id);
@@ -177,7 +178,7 @@ void AddVolumetricCommand(CLI::App& app, Context& context) {
                              "a part's range of an axis, mm or deg: \"X -200 300\"; again for more (default: what the "
                              "calibration's sessions measured)");
   volumetric->add_option("--job", arguments->job, "over the box in which the program of this compensate job moves")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->needs(id)
       ->excludes(box);
   volumetric->add_option("--page-size", arguments->page_size, "calibrations per page (1 to 100, default 20)")

@@ -6,6 +6,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/positive_number.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 
@@ -184,7 +185,7 @@ void AddWebhookCommands(CLI::App* admin, Context& context) {
   dead->add_option("--page", arguments->page, "token of the next page");
   SetAction(dead, context, [&context, arguments] { return ListDead(context, *arguments); });
   CLI::App* resend = add("resend", "Try dead letters once more");
-  resend->add_option("CHANGE", arguments->change, "this one (dead)")->check(CLI::PositiveNumber);
+  resend->add_option("CHANGE", arguments->change, "this one (dead)")->check(PositiveNumber());
   resend->add_flag("--all", arguments->all, "all of them");
   SetAction(resend, context, [&context, arguments] { return Resend(context, *arguments); });
 }

@@ -48,6 +48,14 @@ struct NewCalibration {
   std::string created_by;
 };
 
+// What a person decided of a calibration.
+struct Decision {
+  base::UtcTime at;
+  std::string by;
+  CalibrationState became = CalibrationState::kApproved;
+  std::string reason;  // as it was given; empty: none was
+};
+
 // With its place among the machine's calibrations, of which at most one is approved.
 struct CalibrationRecord {
   CalibrationId id;
@@ -60,6 +68,7 @@ struct CalibrationRecord {
   std::string approved_by;
   std::optional<base::UtcTime> approved_at, retired_at;
   std::vector<SessionId> rejected_sessions;  // of its sessions, those that do not count any more
+  std::vector<Decision> decisions;           // newest first; of one that was asked for by itself
 };
 
 struct CalibrationFilter {

@@ -86,6 +86,13 @@ v1::Calibration ToProto(const records::CalibrationRecord& record) {
   *message.mutable_provenance() = ProvenanceToProto(record);
   message.set_model_json(record.content.model_json);
   message.set_report_json(record.content.report_json);
+  for (const records::Decision& decision : record.decisions) {
+    v1::CalibrationDecision& told = *message.add_decisions();
+    told.set_at_utc_us(base::ToUtcUs(decision.at));
+    told.set_principal(decision.by);
+    told.set_state(ToProto(decision.became));
+    told.set_reason(decision.reason);
+  }
   return message;
 }
 
@@ -104,6 +111,10 @@ absl::StatusOr<records::CalibrationRecord> FromProto(const v1::Calibration& mess
   record.approved_by = message.approved_by();
   record.retired_at = OPTIONAL_UTC(message, retired_utc_us);
   for (const int64_t id : message.rejected_session_ids()) record.rejected_sessions.push_back(SessionId(id));
+  for (const v1::CalibrationDecision& told : message.decisions()) {
+    ASSIGN_OR_RETURN(const records::CalibrationState became, FromProto(told.state()));
+    record.decisions.push_back({base::FromUtcUs(told.at_utc_us()), told.principal(), became, told.reason()});
+  }
   record.content.machine = MachineId(message.machine_id());
   for (int i = 0; i < message.estimates_size(); ++i) {
     absl::StatusOr<records::Estimate> estimate = FromProto(message.estimates(i));

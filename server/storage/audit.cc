@@ -1,6 +1,7 @@
 #include "server/storage/audit.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "absl/strings/numbers.h"
@@ -15,6 +16,7 @@ namespace {
 
 // What retention has removed.
 constexpr char kExpireAction[] = "audit.expire";
+constexpr char kReason[] = "reason: ";  // before what the caller said
 constexpr char kAuditColumns[] =
     "a.id, a.at_utc_us, a.principal, a.peer, a.action, a.resource, a.outcome, a.was, a.became, "
     "a.detail";
@@ -118,16 +120,23 @@ absl::Status AppendAudit(Connection& connection, const AuditEntry& given) {
 absl::Status AuditChange(Connection& connection, UtcTime now, const Caller& caller, const std::string& action,
                          const std::string& resource, const std::string& was, const std::string& became) {
   std::string detail = caller.request_id.empty() ? "" : "request_id " + caller.request_id;
-  if (!caller.reason.empty()) absl::StrAppend(&detail, detail.empty() ? "" : "; ", "reason: ", caller.reason);
+  if (!caller.reason.empty()) absl::StrAppend(&detail, detail.empty() ? "" : "; ", kReason, caller.reason);
   return AppendAudit(connection, {0, now, caller.principal, caller.peer, action, resource, "OK", was, became, detail});
+}
+
+std::string ReasonIn(const std::string& detail) {
+  const size_t at = absl::StartsWith(detail, kReason) ? 0 : detail.find(absl::StrCat("; ", kReason));
+  return at == std::string::npos ? "" : detail.substr(detail.find(kReason, at) + std::strlen(kReason));
 }
 
 absl::StatusOr<Page<AuditEntry>> ListAudit(Connection& connection, const AuditFilter& filter,
                                            const PageRequest& request) {
   const int64_t from = filter.from ? base::ToUtcUs(*filter.from) : std::numeric_limits<int64_t>::min();
   const int64_t to = filter.to ? base::ToUtcUs(*filter.to) : std::numeric_limits<int64_t>::max();
-  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, absl::StrCat("audit|", filter.principal, "|",
-                                                                          filter.resource, "|", from, "|", to)));
+  const bool is_of_actions = !filter.actions[0].empty() || !filter.actions[1].empty();
+  std::string list = absl::StrCat("audit|", filter.principal, "|", filter.resource, "|", from, "|", to);
+  if (is_of_actions) absl::StrAppend(&list, "|", filter.actions[0], "|", filter.actions[1]);
+  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, list));
   int64_t before_at = to, before_id = 0;
   if (start.after) {
     const std::vector<std::string> key = absl::StrSplit(*start.after, ' ');
@@ -139,9 +148,10 @@ absl::StatusOr<Page<AuditEntry>> ListAudit(Connection& connection, const AuditFi
                                  " WHERE (a.at_utc_us, a.id) < (?1, ?2) AND a.at_utc_us >= ?3");
   if (!filter.principal.empty()) sql += " AND a.principal = ?4";
   if (!filter.resource.empty()) sql += " AND a.resource = ?5";
-  ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(sql + " ORDER BY a.at_utc_us DESC, a.id DESC LIMIT ?6", before_at, before_id, from,
-                                  filter.principal, filter.resource, start.row_limit()));
+  if (is_of_actions) sql += " AND a.action IN (?7, ?8)";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY a.at_utc_us DESC, a.id DESC LIMIT ?6", before_at,
+                                                 before_id, from, filter.principal, filter.resource, start.row_limit(),
+                                                 filter.actions[0], filter.actions[1]));
   Page<AuditEntry> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -17,6 +17,8 @@ absl::Status AppendAudit(Connection& connection, const AuditEntry& entry);
 // A change that succeeds with the transaction it is part of: what was there before it, and what is there after it.
 absl::Status AuditChange(Connection& connection, UtcTime now, const Caller& caller, const std::string& action,
                          const std::string& resource, const std::string& was = "", const std::string& became = "");
+// The caller's reason in the `detail` of such an entry; empty: none was given.
+std::string ReasonIn(const std::string& detail);
 // Newest first. In the place of an entry that is not what was written stands "damaged", with its number and moment.
 absl::StatusOr<Page<AuditEntry>> ListAudit(Connection& connection, const AuditFilter& filter,
                                            const PageRequest& request);

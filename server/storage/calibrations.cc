@@ -38,6 +38,10 @@ std::string NameOf(CalibrationState state) {
   return "";
 }
 
+// How the audit names a calibration, and what is done to it.
+std::string ResourceOf(CalibrationId id) { return absl::StrCat("calibrations/", id.number()); }
+constexpr char kApprove[] = "calibration.approve", kRetire[] = "calibration.retire";
+
 std::string Place(CalibrationId id) { return absl::StrCat("calibration ", id.number()); }
 
 CalibrationRecord ReadCalibration(const Statement& row) {
@@ -336,12 +340,12 @@ namespace {
 absl::Status AuditAnotherReason(Connection& connection, UtcTime now, CalibrationId id, const Caller& caller) {
   if (caller.reason.empty()) return absl::OkStatus();
   AuditFilter of_it;
-  of_it.resource = absl::StrCat("calibrations/", id.number());
+  of_it.resource = ResourceOf(id);
   ASSIGN_OR_RETURN(const Page<AuditEntry> last, ListAudit(connection, of_it, {1, ""}));
   const bool is_said = !last.rows.empty() && last.rows[0].principal == caller.principal &&
-                       absl::EndsWith(last.rows[0].detail, "reason: " + caller.reason);
+                       ReasonIn(last.rows[0].detail) == caller.reason;
   if (is_said) return absl::OkStatus();
-  return AuditChange(connection, now, caller, "calibration.approve", of_it.resource, "approved", "approved");
+  return AuditChange(connection, now, caller, kApprove, of_it.resource, "approved", "approved");
 }
 }  // namespace
 
@@ -380,7 +384,7 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
   RETURN_IF_ERROR(NoteChange(connection, machine_key));
   if (was_rejected) RETURN_IF_ERROR(NoteRejection(connection, machine_key, present.content.measured_at, id, false));
   RETURN_IF_ERROR(AuditChange(
-      connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number()), NameOf(present.state),
+      connection, now, caller, kApprove, ResourceOf(id), NameOf(present.state),
       absl::StrCat("approved", former ? absl::StrCat("; calibrations/", former->number(), " retired") : "")));
   return GetCalibration(connection, id);
 }
@@ -396,10 +400,24 @@ absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcT
   RETURN_IF_ERROR(NoteChange(connection, machine_key));
   if (!present.record.approved_at)
     RETURN_IF_ERROR(NoteRejection(connection, machine_key, present.record.content.measured_at, id, true));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number()),
-                              NameOf(present.record.state), "retired"));
+  RETURN_IF_ERROR(
+      AuditChange(connection, now, caller, kRetire, ResourceOf(id), NameOf(present.record.state), "retired"));
   ASSIGN_OR_RETURN(Sealed retired, Find(connection, id));
   return std::move(retired.record);
+}
+
+absl::StatusOr<std::vector<records::Decision>> ListDecisions(Connection& connection, CalibrationId id, int limit) {
+  AuditFilter decided;
+  decided.resource = ResourceOf(id);
+  decided.actions = {kApprove, kRetire};
+  ASSIGN_OR_RETURN(const Page<AuditEntry> page, ListAudit(connection, decided, {limit, ""}));
+  std::vector<records::Decision> decisions;
+  for (const AuditEntry& entry : page.rows)
+    if (entry.resource == decided.resource)  // else what it said is not known
+      decisions.push_back({entry.at, entry.principal,
+                           entry.action == kApprove ? CalibrationState::kApproved : CalibrationState::kRetired,
+                           ReasonIn(entry.detail)});
+  return decisions;
 }
 
 }  // namespace axiscal::storage

@@ -14,6 +14,7 @@ absl::Status SealCalibration(Connection& connection, CalibrationId id);
 absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcTime now,
                                                     const NewCalibration& calibration, std::optional<JobId> job);
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);
+absl::StatusOr<std::vector<records::Decision>> ListDecisions(Connection& connection, CalibrationId id, int limit);
 absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine);
 absl::StatusOr<CalibrationRecord> GetApprovedByPerson(Connection& connection, const MachineId& machine);
 absl::StatusOr<std::optional<CalibrationId>> GetFormerOf(Connection& connection, CalibrationId id);

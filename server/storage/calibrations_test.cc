@@ -88,6 +88,39 @@ TEST_F(Calibrations, WhoApprovesOnceMoreIsHeard) {
   EXPECT_EQ(said(), (std::vector<std::string>{"bob: reason: checked by a ball bar", "ann: reason: after the service"}));
 }
 
+TEST_F(Calibrations, WhatWasDecidedStandsWithItsReason) {
+  const CalibrationRecord made = *database->CreateCalibration(New());
+  EXPECT_TRUE(database->ListDecisions(made.id, 20)->empty());
+  Caller ann = Cell("");
+  ann.principal = "ann";
+  ann.reason = "better at B = 90; reason: see the ball bar";
+  ASSERT_TRUE(database->ApproveCalibration(made.id, 0, ann).ok());
+  ann.reason = "";
+  ASSERT_TRUE(database->RetireCalibration(made.id, 0, ann).ok());
+  Caller bob = Cell("");
+  bob.principal = "bob";
+  bob.reason = "back: it was the stylus";
+  // What else is said of it stands between.
+  for (int i = 0; i < 30; ++i) {
+    AuditEntry entry;
+    entry.action = i % 2 == 0 ? "table.make" : "denied Calibrations.ApproveCalibration";
+    entry.resource = absl::StrCat("calibrations/", made.id.number());
+    entry.detail = "reason: none of this is a decision";
+    ASSERT_TRUE(database->AppendAudit(entry).ok());
+  }
+  bob.request_id = "r-1";
+  ASSERT_TRUE(database->ApproveCalibration(made.id, 0, bob).ok());
+  const auto decisions = database->ListDecisions(made.id, 20);
+  ASSERT_TRUE(decisions.ok()) << decisions.status();
+  std::vector<std::string> lines;
+  for (const records::Decision& one : *decisions)
+    lines.push_back(
+        absl::StrCat(one.by, one.became == CalibrationState::kApproved ? " approved: " : " retired: ", one.reason));
+  EXPECT_EQ(lines, (std::vector<std::string>{"bob approved: back: it was the stylus", "ann retired: ",
+                                             "ann approved: better at B = 90; reason: see the ball bar"}));
+  EXPECT_EQ(database->ListDecisions(made.id, 1)->size(), 1u);
+}
+
 TEST_F(Calibrations, OnlyOneIsApproved) {
   const CalibrationRecord first = *database->CreateCalibration(New());
   const CalibrationRecord second = *database->CreateCalibration(New());

@@ -159,6 +159,8 @@ class Database {
   // ---- calibrations
   virtual absl::StatusOr<CalibrationRecord> CreateCalibration(const NewCalibration& calibration) = 0;
   virtual absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id) = 0;
+  // What people decided of it, newest first, as the audit has it: at most `limit`, of those that its retention left.
+  virtual absl::StatusOr<std::vector<records::Decision>> ListDecisions(CalibrationId id, int limit) = 0;
   // The approved one; NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
   virtual absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) = 0;
   // That which a person put in use last: the one in use, or what routines have replaced since. NOT_FOUND where none

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_RECORDS_H_
 #define AXISCAL_SERVER_STORAGE_RECORDS_H_
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -349,9 +350,10 @@ struct AuditEntry {
 };
 
 struct AuditFilter {
-  std::optional<UtcTime> from, to;  // at or after, before
-  std::string principal;            // empty: any
-  std::string resource;             // empty: any
+  std::optional<UtcTime> from, to;          // at or after, before
+  std::string principal;                    // empty: any
+  std::string resource;                     // empty: any
+  std::array<std::string, 2> actions = {};  // either; both empty: any
 };
 
 // The last entry and its hash: who notes them elsewhere can tell later whether all before it is as it was.

@@ -203,6 +203,9 @@ class SqlStore final : public Database {
   absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetCalibration(c, id); });
   }
+  absl::StatusOr<std::vector<records::Decision>> ListDecisions(CalibrationId id, int limit) override {
+    return readers_.Run([&](Connection& c) { return storage::ListDecisions(c, id, limit); });
+  }
   absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetApprovedCalibration(c, machine); });
   }

@@ -104,6 +104,7 @@ void CallAll(TempDatabase& database, SessionId stored) {
   ASSERT_TRUE(database->RejectSession(stored, false, "why", Cell("")).ok());
   EXPECT_FALSE(database->GetApprovedByPerson(mt).ok());
   ASSERT_TRUE(database->GetFormerOf(CalibrationId(1)).ok());
+  ASSERT_TRUE(database->ListDecisions(CalibrationId(1), 20).ok());
   for (const std::string kind : {"", "nc", "none"}) ASSERT_TRUE(database->ListPrograms({kind}, {}).ok());
   ASSERT_TRUE(database->ListMachines({}).ok());
   ASSERT_TRUE(database->ListAudit({}).ok());

@@ -66,6 +66,20 @@ TEST_F(IdentifyCommand, HeadFirstThenTable) {
   EXPECT_THAT(text.out, Not(HasSubstr("not known")));
 }
 
+TEST_F(IdentifyCommand, WhyItWasApprovedIsThereToRead) {
+  ASSERT_EQ(Run(kHead).exit_code, 0);
+  ASSERT_EQ(Run("approve 1 --reason 'a check by the ball bar agrees'").exit_code, 0);
+  ASSERT_EQ(Run("calibration retire 1 --reason 'the head was changed'").exit_code, 0);
+  const Outcome shown = Run("calibration show 1");
+  EXPECT_THAT(shown.out, ::testing::ContainsRegex("retired [0-9-]+.* by .*: the head was changed\n"
+                                                  "approved [0-9-]+.* by .*: a check by the ball bar agrees\n"));
+  const nlohmann::json decisions = Run("calibration show 1 --json").Json()["decisions"];
+  ASSERT_EQ(decisions.size(), 2u);
+  EXPECT_EQ(decisions[1]["state"], "approved");
+  EXPECT_EQ(decisions[1]["reason"], "a check by the ball bar agrees");
+  EXPECT_THAT(Run("calibration show one").err, HasSubstr("'one', expected a number above 0"));
+}
+
 TEST_F(IdentifyCommand, CountsNoSessionTwice) {
   std::string copy = Read("table.csv");
   const size_t name = copy.find("# session: table");
