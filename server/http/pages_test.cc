@@ -39,7 +39,8 @@ std::string Unpacked(const std::string& gzipped, size_t size) {
 
 TEST(PagesTest, TheBundleIsThereAndSaysWhatMayRun) {
   const Pages pages(EmbeddedPages());
-  for (const std::string path : {"/", "/app.js", "/chunk.js", "/others.js", "/app.css", "/icon.svg"}) {
+  for (const EmbeddedFile& file : EmbeddedPages()) {
+    const std::string path = file.name == "index.html" ? "/" : "/" + file.name;
     ASSERT_TRUE(pages.Has(path)) << path;
     const Answer answer = pages.Get(GetOf(path));
     EXPECT_EQ(answer.status, 200);
@@ -47,6 +48,19 @@ TEST(PagesTest, TheBundleIsThereAndSaysWhatMayRun) {
     EXPECT_FALSE(answer.body.empty());
   }
   EXPECT_THAT(pages.Get(GetOf("/")).body, HasSubstr("<script type=\"module\" src=\"app.js\">"));
+  // What the page names is there, under the names that this version's scripts have.
+  const std::string page = pages.Get(GetOf("/")).body;
+  int named = 0;
+  for (const std::string before : {"href=\"", "src=\""}) {
+    for (size_t at = page.find(before); at != std::string::npos; at = page.find(before, at + 1)) {
+      const size_t begin = at + before.size();
+      const std::string name = page.substr(begin, page.find('"', begin) - begin);
+      if (name == "#/") continue;
+      EXPECT_TRUE(pages.Has("/" + name)) << name;
+      ++named;
+    }
+  }
+  EXPECT_EQ(named, 5);  // the style, the icon, three scripts
   EXPECT_FALSE(pages.Has("/index.html"));
   EXPECT_FALSE(pages.Has("/../gateway.cc"));
 }

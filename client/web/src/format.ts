@@ -106,6 +106,10 @@ export function save(name: string, type: string, content: BlobPart): void {
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-// "1.77 [1.6, 1.9]": a tool point's error over its box with 95 %, µm.
+// "1.77 [1.6, 1.9]": a tool point's error over its box with 95 %, µm. A nanometre and less is nothing that anybody knows.
+const kLeastUm = 0.001;
+const micrometresText = (um: number) => (um < kLeastUm ? `< ${numberText(kLeastUm)}` : numberText(um));
 export const figureText = (figures?: VolumetricFigures) =>
-  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}${language.value === "de" ? ";" : ","} ${numberText(figures.rms.highUm)}]`;
+  figures?.rms === undefined
+    ? "–"
+    : `${micrometresText(figures.rms.expectedUm)} [${micrometresText(figures.rms.lowUm)}${language.value === "de" ? ";" : ","} ${micrometresText(figures.rms.highUm)}]`;

@@ -32,24 +32,26 @@ addEventListener("hashchange", () => {
   document.getElementById("main")?.focus();
 });
 
-// All pages but the fleet's are a script of their own, so that the fleet is there early. It is fetched when the fleet stands, and run when one is opened.
+// All pages but the fleet's are a script of their own, so that the fleet is there early. index.html names it, so that it is fetched when nothing else
+// is to be done.
 type Others = typeof import("./pages/others");
 const others = signal<Others | undefined>(undefined);
-// A script that did not come once does not come later: the browser remembers that. So the page is loaded anew when the connection is back.
+// A script that did not come once does not come later: the browser remembers that. The page is then loaded anew: when the connection is back, or
+// where something answered (a proxy whose server is away, a new version that has other scripts) after a wait that grows.
 const othersLost = signal<"no" | "by the connection" | "at the server">("no");
+const kReloads = "reloads", kFirstReloadMs = 5000, kMostDoublings = 4;
 async function openOthers() {
   try {
     others.value = await import("./pages/others");
+    sessionStorage.removeItem(kReloads);
   } catch {
-    const isServerThere = await watchedFetch("app.css", { cache: "no-store" }).then(() => true, () => false);
-    othersLost.value = isServerThere ? "at the server" : "by the connection";
+    const isAnswered = await watchedFetch("app.css", { cache: "no-store" }).then(() => true, () => false);
+    othersLost.value = isAnswered ? "at the server" : "by the connection";
+    if (!isAnswered) return;
+    const reloads = Number(sessionStorage.getItem(kReloads) ?? 0);
+    sessionStorage.setItem(kReloads, String(reloads + 1));
+    setTimeout(() => location.reload(), kFirstReloadMs * 2 ** Math.min(reloads, kMostDoublings));
   }
-}
-function fetchOthers() {
-  const link = document.createElement("link");
-  link.rel = "modulepreload";
-  link.href = "others.js";
-  document.head.append(link);
 }
 
 function OtherPage(props: { room: string; word?: string }) {
@@ -60,7 +62,8 @@ function OtherPage(props: { room: string; word?: string }) {
     if (others.value === undefined) void openOthers();
   }, []);
   if (others.value !== undefined) return <others.value.OtherPage {...props} />;
-  if (othersLost.value === "at the server") return <ProblemBox problem={{ text: t("scriptMissing"), reason: "", isConnection: false, isOwn: true }} />;
+  if (othersLost.value === "at the server")
+    return <ProblemBox problem={{ text: t("scriptMissing"), reason: "", isConnection: false, isOwn: true }} />;
   return (
     <p class="waiting who-first" role="status">
       {t("loading")}
@@ -70,7 +73,7 @@ function OtherPage(props: { room: string; word?: string }) {
 
 function Page() {
   const [room, word] = place.value;
-  return room === "" ? <FleetPage onShown={fetchOthers} /> : <OtherPage room={room} word={word} />;
+  return room === "" ? <FleetPage /> : <OtherPage room={room} word={word} />;
 }
 
 function SignInPage() {

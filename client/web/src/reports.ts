@@ -1,4 +1,6 @@
 // What of the engine's reports (docs/formats.md) the pages show. Fields that a report leaves out are optional.
+import { numberText } from "./format";
+
 export interface Fit {
   rms_um?: number;
   max_um?: number;
@@ -46,7 +48,7 @@ export interface LoopReport {
     amplitude_sigma: number;
     unit: string;
     rms_um: number;
-    equivalent?: { name: string }[];
+    equivalent?: { name: string; tau_s?: number; length_mm?: number }[];
     same_always?: (string | { name: string })[];
   }[];
   causes?: Cause[];
@@ -127,3 +129,13 @@ export const isDoubtful = (report: CompensationReport): boolean =>
 export function nameOf(one: string | { name: string }): string {
   return typeof one === "string" ? one : one.name;
 }
+
+// What an effect may be instead: of its own name with another time constant or length, which the name does not say.
+export const besideText = (name: string, other: { name: string; tau_s?: number; length_mm?: number }) =>
+  other.name !== name
+    ? other.name
+    : other.tau_s !== undefined
+      ? `${other.name} (τ = ${numberText(other.tau_s)} s)`
+      : other.length_mm !== undefined
+        ? `${other.name} (${numberText(other.length_mm)} mm)`
+        : other.name;

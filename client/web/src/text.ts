@@ -25,8 +25,8 @@ const kTexts = {
   ],
   token: ["Token", "Token"],
   scriptMissing: [
-    "A script of this page did not come, though the server is there. Load the page anew; if that does not help, tell who runs the server that others.js is not given out.",
-    "Ein Skript dieser Seite kam nicht, obwohl der Server da ist. Laden Sie die Seite neu; hilft das nicht, sagen Sie dem Betreiber des Servers, dass others.js nicht ausgeliefert wird.",
+    "A script of this page did not come, though something answers there. The page is loaded anew by itself, again and again after longer waits; if it stays so, tell who runs the server.",
+    "Ein Skript dieser Seite kam nicht, obwohl dort etwas antwortet. Die Seite wird von selbst neu geladen, nach immer längeren Pausen; bleibt es so, sagen Sie es dem Betreiber des Servers.",
   ],
   lost: [
     "The connection to the server is lost. What you see may be old; it is tried again every two seconds.",
@@ -92,7 +92,7 @@ const kTexts = {
   block: ["Block", "Satz"],
   max: ["Greatest", "Größter"],
   // fleet
-  fleetTitle: ["Which machine needs care?", "Welche Maschine braucht Pflege?"],
+  fleetTitle: ["Which machine needs care?", "Um welche Maschine muss man sich kümmern?"],
   fleetEmpty: ["No machine is described yet.", "Noch ist keine Maschine beschrieben."],
   fleetFirst: [
     "An admin adds one with: axiscal machine add machine.json",
@@ -104,7 +104,7 @@ const kTexts = {
   filterButton: ["Filter", "Filtern"],
   group: ["Group", "Gruppe"],
   allGroups: ["all groups", "alle Gruppen"],
-  care: ["Care", "Pflege"],
+  care: ["Care", "Zu tun"],
   why: ["Why", "Warum"],
   inUse: ["In use", "In Gebrauch"],
   residual: ["Residual before → after", "Restfehler vorher → nachher"],
@@ -112,7 +112,7 @@ const kTexts = {
   careDecide: ["decide", "entscheiden"],
   careUnknown: ["not known", "unbekannt"],
   whyAlso: ["Also new:", "Auch neu:"],
-  whyMore: ["and {n} more new events: choose the number of events", "und {n} weitere neue Ereignisse: Zahl der Ereignisse wählen"],
+  whyMore: ["Further new events: {n}; choose the number of events.", "Weitere neue Ereignisse: {n}; Zahl der Ereignisse wählen."],
   careGood: ["nothing to do", "nichts zu tun"],
   careLooking: ["looking …", "wird geprüft …"],
   whyWaits: ["{n} newer than what is in use, waiting for approval", "{n} neuer als die benutzte, warten auf Freigabe"],
@@ -128,7 +128,7 @@ const kTexts = {
     "Die Geschichte von {n} von {all} Maschinen ist bisher durchgesehen.",
   ],
   orderIsNow: ["The rows are in the order of now", "Die Zeilen stehen in der Ordnung von jetzt"],
-  fleetOrder: ["Order anew", "Neu ordnen"],
+  fleetOrder: ["Order anew", "Neu sortieren"],
   whyMoved: ["needs something else now: order anew to see it in its place", "braucht jetzt etwas anderes: neu ordnen zeigt es an seinem Platz"],
   fleetAllLooked: ["The history of all {n} calibrated machines was looked through.", "Die Geschichte aller {n} kalibrierten Maschinen ist durchgesehen."],
   // machine
@@ -218,7 +218,8 @@ const kTexts = {
   volumetricUnknown: ["In none of the figures, as nothing tells them:", "In keiner der Zahlen, da nichts sie bestimmt:"],
   overBox: ["Over", "Über"],
   correctedBefore: ["corrected for calibration {n}, in use before", "korrigiert um Kalibrierung {n}, vorher in Gebrauch"],
-  correctedNow: ["corrected for the one in use", "korrigiert um die benutzte"],
+  correctedNow: ["corrected for the one in use, as it was measured", "korrigiert mit der in Gebrauch, wie sie gemessen wurde"],
+  correctedSeen: ["the same today, as calibration {n} sees it, which was measured later", "dasselbe heute, wie es die später gemessene Kalibrierung {n} sieht"],
   volumetricPast: ["Show how it was with each calibration", "Zeigen, wie er bei jeder Kalibrierung war"],
   volumetricPastHelp: [
     "Root mean square in µm [95 % interval], over the box that each calibration's own sessions measured. Before: corrected for the calibration that was in use before; after: corrected for this one.",
@@ -289,7 +290,7 @@ const kTexts = {
   chi2: ["Chi-square per degree of freedom (1: as the stated noise)", "Chi-Quadrat je Freiheitsgrad (1: wie das angegebene Rauschen)"],
   condition: ["Condition number", "Konditionszahl"],
   rankOf: ["Rank", "Rang"],
-  differences: ["Differences to what is in use", "Unterschiede zur benutzten"],
+  differences: ["Differences", "Unterschiede"],
   differencesHelp: [
     "This calibration less calibration {n}. The two are taken for independent: where they share sessions the uncertainty is too large.",
     "Diese Kalibrierung minus Kalibrierung {n}. Beide gelten als unabhängig: wo sie Messungen teilen, ist die Unsicherheit zu groß.",
@@ -300,8 +301,12 @@ const kTexts = {
   otherValue: ["calibration {n}", "Kalibrierung {n}"],
   compareWith: ["Compare with", "Vergleichen mit"],
   gain: [
-    "Error of the tool point over the measured box, rms with 95 %, as this calibration sees the machine: {before} µm corrected by calibration {old} as now, {after} µm corrected by calibration {n}.",
-    "Fehler des Werkzeugpunkts über den gemessenen Raum, quadr. Mittel mit 95 %, wie diese Kalibrierung die Maschine sieht: {before} µm korrigiert mit Kalibrierung {old} wie jetzt, {after} µm korrigiert mit Kalibrierung {n}.",
+    "Error of the tool point over the measured box, rms with 95 %, as this calibration sees the machine: {before} µm corrected by calibration {old} as now, {after} µm corrected by calibration {n}. Any calibration sees itself so: trust it where a later one agrees (“Compare with”).",
+    "Fehler des Werkzeugpunkts über den gemessenen Raum, quadr. Mittel mit 95 %, wie diese Kalibrierung die Maschine sieht: {before} µm korrigiert mit Kalibrierung {old} wie jetzt, {after} µm korrigiert mit Kalibrierung {n}. So sieht sich jede Kalibrierung selbst: glaubwürdig ist es, wo eine spätere übereinstimmt („Vergleichen mit“).",
+  ],
+  gainPoor: [
+    "It fits its own readings badly (warnings above): nothing is to be decided by this figure.",
+    "Sie passt schlecht zu ihren eigenen Messwerten (Warnungen oben): nach dieser Zahl ist nichts zu entscheiden.",
   ],
   fitHelp: [
     "Rank: how many errors, or sums of them, the sessions tell apart. Condition number: how much better the one they tell best is known than the one they tell worst; beyond some thousands the worst is known badly.",
@@ -372,6 +377,7 @@ const kTexts = {
   engine: ["Engine version", "Version des Rechenkerns"],
   approvedAt: ["Put in use", "In Gebrauch genommen"],
   retiredAt: ["Retired", "Zurückgezogen"],
+  decisions: ["What was decided, and why", "Was entschieden wurde, und warum"],
   loopLink: ["How the loop found it: step by step", "Wie der Kreis es fand: Schritt für Schritt"],
   tablesTitle: ["Table for a controller", "Tabelle für eine Steuerung"],
   format: ["Format", "Format"],

@@ -250,12 +250,14 @@ function Moves(props: { made: CompareCalibrationsResponse }) {
 }
 
 // Whether things get better: the tool point's error over the box with the one in use and with this one, as this one sees the machine.
-function Gain(props: { error?: VolumetricError }) {
-  const { error } = props;
+function Gain(props: { error?: VolumetricError; of: Calibration }) {
+  const { error, of } = props;
   if (!error?.before?.rms || !error.after?.rms) return null;
+  const isPoor = jsonOf<IdentificationReport>(of.reportJson)?.warnings?.some((one) => one.kind === "scatter");
   return (
     <p class="lead">
       {t("gain", { old: error.beforeCalibrationId ?? "", before: figureText(error.before), n: error.calibrationId, after: figureText(error.after) })}
+      {isPoor && <strong> {t("gainPoor")}</strong>}
     </p>
   );
 }
@@ -307,7 +309,7 @@ function Differences(props: { it: Calibration; inUse?: Calibration; mayChoose?: 
     <Show of={isPlaced ? { data: found.data, problem: found.problem } : {}} rows={8}>
       {({ made, gain }) => (
         <>
-          <Gain error={gain} />
+          <Gain error={gain} of={it} />
           <Moves made={made} />
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
@@ -707,6 +709,18 @@ export function CalibrationPage(props: { id: bigint }) {
                 </Fact>
                 {it.retiredUtcUs !== undefined && <Fact name={t("retiredAt")}>{timeText(it.retiredUtcUs)}</Fact>}
               </dl>
+              {it.decisions.length > 0 && (
+                <Table label={t("decisions")} head={[t("time"), t("what"), t("who"), t("why")]}>
+                  {it.decisions.map((one) => (
+                    <tr>
+                      <th scope="row">{timeText(one.atUtcUs)}</th>
+                      <td>{t(one.state === CalibrationState.APPROVED ? "approvedAt" : "retiredAt")}</td>
+                      <td>{one.principal}</td>
+                      <td class="text">{one.reason || "–"}</td>
+                    </tr>
+                  ))}
+                </Table>
+              )}
               <p class="buttons no-print">
                 <button type="button" class="quiet" onClick={() => save(`errors-${it.calibrationId}.json`, "application/json", it.modelJson)}>
                   errors.json

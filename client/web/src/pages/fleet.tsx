@@ -289,13 +289,8 @@ function FleetTable(props: { fleet: Fleet }) {
   );
 }
 
-// `onShown`: once, when the first rows stand.
-export function FleetPage(props: { onShown: () => void }) {
+export function FleetPage() {
   const fleet = useLoad(`fleet ${language.value}`, loadFleet, everyMs);
-  const isThere = fleet.data !== undefined;
-  useEffect(() => {
-    if (isThere) props.onShown();
-  }, [isThere]);
   return (
     <>
       <Title text={t("fleetTitle")} />

@@ -4,7 +4,7 @@ import { LogBars } from "../charts";
 import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
 import { germanOf, proposalSaid, todoSaid } from "../german";
 import { Empty, ErrorName, Figure, Quoted, Server, Show, Table, Title, Worded } from "../parts";
-import { nameOf, type BoxError, type LoopReport } from "../reports";
+import { besideText, nameOf, type BoxError, type LoopReport } from "../reports";
 import { calibrations } from "../services";
 import { t, tMaybe } from "../text";
 import { Pictures, Warnings } from "./calibration";
@@ -105,7 +105,7 @@ function Effects(props: { report: LoopReport }) {
       <h2>{t("effects")}</h2>
       {effects.map((effect) => {
         const same = (effect.same_always ?? []).map(nameOf);
-        const others = (effect.equivalent ?? []).map(nameOf).filter((name) => !same.includes(name));
+        const others = (effect.equivalent ?? []).map((one) => besideText(effect.name, one)).filter((name) => !same.includes(name));
         return (
           <article class="box">
             <h3>

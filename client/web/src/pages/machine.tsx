@@ -264,12 +264,17 @@ function Due(props: { data: MachineData; machineId: string }) {
 
 // How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for. `onPlaced`: it
 // is as high now as it will be, so that what stands below may be shown.
-function Volumetric(props: { machineId: string; inUse?: Calibration; onPlaced: () => void }) {
+function Volumetric(props: { machineId: string; inUse?: Calibration; newest?: Calibration; onPlaced: () => void }) {
   const id = props.inUse?.calibrationId;
   const [isAsked, setAsked] = useState(false);
-  const found = useLoad(`volumetric ${id}`, async () =>
-    id === undefined ? undefined : (await calibrations.getVolumetricError({ calibrationId: id })).error,
-  );
+  const newest = props.newest?.calibrationId;
+  const found = useLoad(`volumetric ${id} ${newest}`, async () => {
+    if (id === undefined) return undefined;
+    const asked = calibrations.getVolumetricError({ calibrationId: id });
+    // What a later one cannot say is not said.
+    const seen = newest === undefined ? undefined : calibrations.getVolumetricError({ calibrationId: newest }).then(({ error }) => error, () => undefined);
+    return { error: (await asked).error, seen: await seen };
+  });
   const isPlaced = found.data !== undefined || found.problem !== undefined;
   usePlaced(isPlaced, props.onPlaced);
   const past = useLoad(`volumetric history ${props.machineId} ${isAsked}`, async () =>
@@ -284,7 +289,7 @@ function Volumetric(props: { machineId: string; inUse?: Calibration; onPlaced: (
           <Quoted said={refusalSaid(found.problem)} text={found.problem.text} />
         </p>
       ) : (
-        <Show of={{ data: found.data }} rows={3}>
+        <Show of={{ data: found.data?.error }} rows={3}>
           {(error) => (
             <>
               <p>
@@ -299,6 +304,7 @@ function Volumetric(props: { machineId: string; inUse?: Calibration; onPlaced: (
                 <Fact name={t("asIs")}>{figureText(error.uncorrected)} µm</Fact>
                 {error.before && <Fact name={t("correctedBefore", { n: error.beforeCalibrationId ?? "" })}>{figureText(error.before)} µm</Fact>}
                 <Fact name={t("correctedNow")}>{figureText(error.after)} µm</Fact>
+                {found.data?.seen?.before?.rms && <Fact name={t("correctedSeen", { n: newest ?? "" })}>{figureText(found.data.seen.before)} µm</Fact>}
               </dl>
               <p class="muted">{t("volumetricHelp")}</p>
               {error.unknown.length > 0 && (
@@ -925,7 +931,7 @@ export function MachinePage(props: { machineId: string }) {
                 <Findings data={data} />
               </section>
               <OpenEvents data={data} machineId={props.machineId} />
-              <Volumetric machineId={props.machineId} inUse={inUse} onPlaced={() => setPlaced(props.machineId)} />
+              <Volumetric machineId={props.machineId} inUse={inUse} newest={inUse && waiting[0]} onPlaced={() => setPlaced(props.machineId)} />
               {(inUse === undefined || placed === props.machineId) && (
                 <>
                   <Due data={data} machineId={props.machineId} />
