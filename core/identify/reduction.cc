@@ -310,6 +310,7 @@ double LeaningOnSetups(const Problem& problem, const NormalEquations& normal) {
       const instruments::SetupParameter& offset = offsets[static_cast<size_t>(i)];
       if (!offset.held) (std::isfinite(offset.prior_sigma) ? stated : free).push_back(i);
     }
+    if (stated.empty()) continue;
     const Eigen::MatrixXd& gram = normal.groups[g].gram;
     Eigen::MatrixXd information = gram(stated, stated);
     if (!free.empty()) {
