@@ -151,9 +151,8 @@ std::string KnockText(const reports::Loop& report, const reports::Unexplained& p
     });
     if (session.in.session == part.session && has_references)
       return absl::StrFormat(
-          "      or the tracker was knocked: then \"# knocked_s: %.6g\" in the session's header lets its references "
-          "tell "
-          "it from the machine\n",
+          "      or the tracker was knocked: then \"# knocked_s: %.6g\" in the session's header lets its "
+          "references tell it from the machine\n",
           0.5 * (part.from + part.to));
   }
   return "";

@@ -27,7 +27,7 @@ absl::Status CheckRepeated(const std::vector<MeasuringRun>& fit, const std::vect
   for (size_t i = 0; i < fit.size() + check.size(); ++i) {
     for (size_t k = 0; k < i; ++k) {
       if (!IsTheSame(run(i), run(k))) continue;
-      if (check.empty() && run(i).session == run(k).session) continue;  // MakeProblem says that the name is there twice
+      if (check.empty() && run(i).session == run(k).session) continue;
       return absl::InvalidArgumentError(
           absl::StrCat(name(i), " holds the same readings as ", name(k),
                        i < fit.size() ? ": they would count twice" : ": what was fitted or checked proves nothing"));

@@ -9,8 +9,9 @@
 
 namespace axiscal::instruments {
 
-// INVALID_ARGUMENT that names both of two sessions with the same times, positions and readings: fitted twice they would
-// count twice, and as a check they would prove nothing. `check`: sessions that are predicted, if any.
+// INVALID_ARGUMENT that names both of two sessions with the same tool point, times, positions (or path) and readings:
+// fitted twice they would count twice, and as a check they would prove nothing. `check`: sessions that are predicted,
+// if any; without them two of one name are left to identify::MakeProblem, which says that the name is there twice.
 absl::Status CheckRepeated(const std::vector<MeasuringRun>& fit, const std::vector<MeasuringRun>& check = {});
 
 }  // namespace axiscal::instruments
